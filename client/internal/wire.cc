@@ -258,7 +258,8 @@ Limits FromProto(const v1::GetLimitsResponse& limits) {
           .max_jobs_per_client = limits.max_jobs_per_client(),
           .memory_budget_bytes = limits.memory_budget_bytes(),
           .mesh_store_bytes = limits.mesh_store_bytes(),
-          .max_visited_points = limits.max_visited_points()};
+          .max_visited_points = limits.max_visited_points(),
+          .max_job_seconds = limits.max_job_seconds()};
 }
 
 absl::Status FromGrpc(const grpc::Status& status) {

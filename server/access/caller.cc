@@ -45,6 +45,8 @@ std::string HostOf(absl::string_view peer) {
 Limits LimitsOf(const Caller& caller, Limits limits) {
   limits.max_mesh_bytes = Least(limits.max_mesh_bytes, caller.limits.max_mesh_bytes);
   limits.max_triangles = Least(limits.max_triangles, caller.limits.max_triangles);
+  if (const uint64_t seconds = caller.limits.max_job_seconds; seconds != 0)
+    limits.max_job_time = std::min(limits.max_job_time, absl::Seconds(seconds));
   limits.max_jobs_per_client = Least(limits.max_jobs_per_client, caller.limits.max_jobs);
   return limits;
 }

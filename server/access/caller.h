@@ -15,6 +15,7 @@ struct CallerLimits {
   uint32_t max_jobs = 0;  // at once, for all its calls
   uint64_t max_mesh_bytes = 0;
   uint64_t max_triangles = 0;
+  uint64_t max_job_seconds = 0;  // of CPU time
 };
 
 struct Caller {

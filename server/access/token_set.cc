@@ -55,13 +55,15 @@ std::optional<uint64_t> ReadCount(absl::string_view text, bool with_units) {
 absl::Status AddLimit(absl::string_view word, CallerLimits& limits) {
   const std::vector<absl::string_view> parts = absl::StrSplit(word, absl::MaxSplits('=', 1));
   const absl::string_view name = parts[0];
-  if (name != "max-jobs" && name != "max-mesh-bytes" && name != "max-triangles") {
-    return absl::InvalidArgumentError("behind the token stands none of max-jobs=N, max-mesh-bytes=N, max-triangles=N");
+  if (name != "max-jobs" && name != "max-mesh-bytes" && name != "max-triangles" && name != "max-job-seconds") {
+    return absl::InvalidArgumentError(
+        "behind the token stands none of max-jobs=N, max-job-seconds=N, max-mesh-bytes=N, max-triangles=N");
   }
   const auto count = ReadCount(parts.size() < 2 ? "" : parts[1], name == "max-mesh-bytes");
   if (!count) return absl::InvalidArgumentError(absl::StrCat(name, " is not a whole number above 0"));
   if (name == "max-mesh-bytes") limits.max_mesh_bytes = *count;
   if (name == "max-triangles") limits.max_triangles = *count;
+  if (name == "max-job-seconds") limits.max_job_seconds = *count;
   if (name == "max-jobs") {
     if (*count > std::numeric_limits<uint32_t>::max())
       return absl::InvalidArgumentError("max-jobs is above 4294967295");

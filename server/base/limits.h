@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "absl/time/time.h"
+
 namespace latvox {
 
 struct Limits {
@@ -15,6 +17,7 @@ struct Limits {
   uint32_t max_queued_jobs = 256;                    // that send their input, wait for their turn, or are paused
   uint32_t max_jobs_per_client = 128;                // at work or queued, for one client
   uint64_t max_visited_points = uint64_t{1} << 36;   // that one job looks at, as EstimateVisits counts them
+  absl::Duration max_job_time = absl::Hours(1);      // of CPUs, that one job takes
   uint64_t memory_budget_bytes = uint64_t{4} << 30;  // of all jobs together
   uint64_t mesh_store_bytes = uint64_t{256} << 20;   // meshes kept for later requests, encoded and decoded
   uint64_t max_message_bytes = uint64_t{4} << 20;    // one message of a request

@@ -38,7 +38,10 @@ void CallRegistry::Move(Entry& entry, State state) {
   --counts_[entry.state];
   ++counts_[state];
   if (entry.state == kWorking) --clients_.at(entry.client).working;
-  if (state == kWorking) ++clients_.at(entry.client).working;
+  if (state == kWorking) {
+    ++clients_.at(entry.client).working;
+    works_.notify_all();
+  }
   entry.state = state;
 }
 
@@ -164,6 +167,7 @@ void CallRegistry::Close() {
   {
     const std::lock_guard lock(mu_);
     closed_ = true;
+    works_.notify_all();
   }
   StopWaitingIfClosed();
 }
@@ -180,6 +184,15 @@ void CallRegistry::StopAll() {
 
 void CallRegistry::EndStalled(absl::Duration patience) {
   for (const auto& call : Select([](const Entry&) { return true; })) call->EndIfStalled(patience);
+}
+
+void CallRegistry::Oversee() {
+  for (const auto& call : Select([](const Entry& entry) { return entry.state == kWorking; })) call->Oversee();
+}
+
+void CallRegistry::WaitForWork(absl::Duration timeout) {
+  std::unique_lock lock(mu_);
+  works_.wait_for(lock, absl::ToChronoNanoseconds(timeout), [this] { return closed_ || counts_[kWorking] > 0; });
 }
 
 bool CallRegistry::WaitUntilEmpty(absl::Duration timeout) {

@@ -24,6 +24,8 @@ class LiveCall {
   virtual void Stop(const absl::Status& status) = 0;
   // The call's turn has come, the first or another. Returns at once.
   virtual void Work() = 0;
+  // Called every few milliseconds while the call works. Ends it if its job has used up its time.
+  virtual void Oversee() {}
   // Called regularly. Ends the call if its client has sent and taken next to nothing for `patience`.
   virtual void EndIfStalled(absl::Duration patience) = 0;
 };
@@ -72,6 +74,10 @@ class CallRegistry {
   void StopAll();
 
   void EndStalled(absl::Duration patience);
+  void Oversee();
+
+  // Blocks until a call works, for `timeout`, or until Close.
+  void WaitForWork(absl::Duration timeout);
 
   // Blocks until no call is in progress, or for `timeout`; returns whether none is. Do not use it on gRPC's threads.
   bool WaitUntilEmpty(absl::Duration timeout);
@@ -107,7 +113,7 @@ class CallRegistry {
 
   const CallLimits limits_;
   mutable std::mutex mu_;
-  std::condition_variable empty_;
+  std::condition_variable empty_, works_;
   // All below is guarded by mu_.
   std::unordered_map<const LiveCall*, Entry> calls_;
   std::unordered_map<std::string, Client> clients_;  // clients with jobs

@@ -41,6 +41,11 @@ void CallState::EndTask(const absl::Status& status) {
   if (status_.ok()) status_ = status;
 }
 
+const std::shared_ptr<WorkQueue>& CallState::Bulk() {
+  if (!lane_) lane_ = environment_.bulk.LaneOf(environment_.client);
+  return lane_;
+}
+
 void CallState::SetFinishing() {
   finishing_ = true;
   finished_ = Clock::now();

@@ -19,6 +19,7 @@
 #include "server/calls/call_registry.h"
 #include "server/calls/request_log.h"
 #include "server/work/call_environment.h"
+#include "server/work/work_lanes.h"
 #include "server/work/work_queue.h"
 
 namespace latvox {
@@ -78,6 +79,9 @@ class CallState : public LiveCall, public std::enable_shared_from_this<CallState
   bool BeginTask(Clock::time_point ready);
   void EndTask(const absl::Status& status);
 
+  // Returns the queue for the client's large work, which the call holds from now on. Threads: one at a time.
+  const std::shared_ptr<WorkQueue>& Bulk();
+
   // Sends the status. Precondition: it is final, and no task is at work.
   void SendStatus();
   // The body of OnDone.
@@ -108,6 +112,7 @@ class CallState : public LiveCall, public std::enable_shared_from_this<CallState
   void SetFinishing();
 
   Clock::time_point finished_;  // guarded by mu_; when finishing_ was set, in calls that are one task
+  std::shared_ptr<WorkQueue> lane_;
   std::shared_ptr<CallState> self_;
 };
 

@@ -14,7 +14,7 @@ PixelizeReactor::PixelizeReactor(grpc::CallbackServerContext& context, const v1:
 
 void PixelizeReactor::Work() {
   if (!BeginTask(began_)) return;
-  WorkQueue& queue = LastsLong(request_) ? environment_.bulk : environment_.quick;
+  WorkQueue& queue = LastsLong(request_) ? *Bulk() : environment_.quick;
   queue.Enqueue([self = ShareOf(*this)] { self->Compute(); });
 }
 

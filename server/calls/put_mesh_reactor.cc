@@ -50,7 +50,7 @@ absl::Status PutMeshReactor::ReceivePiece(std::string&& piece) {
 
 void PutMeshReactor::Work() {
   if (!BeginTask(ready())) return;
-  WorkQueue& queue = upload_->size() > kLargeMeshBytes ? environment_.bulk : environment_.quick;
+  WorkQueue& queue = upload_->size() > kLargeMeshBytes ? *Bulk() : environment_.quick;
   queue.Enqueue([self = ShareOf(*this), &queue] {
     self->EndTask(WithoutExceptions([&self] { return self->Store(); }));
     DoOrdinarily(queue, self->environment_.quick, [self] { self->SendStatus(); });

@@ -27,6 +27,7 @@ void AppendCounts(const ComputationFacts& facts, Fields& fields) {
   fields.emplace_back("triangles", facts.triangles);
   fields.emplace_back("voxels", facts.voxels);
   fields.emplace_back("bricks", facts.bricks);
+  fields.emplace_back("reserved_bytes", facts.reserved_bytes);
 }
 
 void AppendCounts(const PixelizationFacts& facts, Fields& fields) {
@@ -37,6 +38,8 @@ void AppendCounts(const PixelizationFacts& facts, Fields& fields) {
 void AppendTimes(const ComputationFacts& facts, Fields& fields) {
   fields.emplace_back("decode_ms", facts.decode_ms);
   fields.emplace_back("voxelize_ms", facts.voxelize_ms);
+  fields.emplace_back("estimated_ms", facts.estimated_ms);
+  fields.emplace_back("cpu_ms", facts.cpu_ms);
   fields.emplace_back("stream_ms", facts.stream_ms);
 }
 

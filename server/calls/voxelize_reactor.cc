@@ -42,7 +42,7 @@ void VoxelizeReactor::Work() {
     working_ = true;
   }
   if (!upload_) return Enqueue();
-  WorkQueue& digesting = upload_->size() > kLargeMeshBytes ? environment_.bulk : environment_.quick;
+  WorkQueue& digesting = upload_->size() > kLargeMeshBytes ? *Bulk() : environment_.quick;
   digesting.Enqueue([self = ShareOf(*this), &digesting] { self->HandleMesh(digesting); });
 }
 
@@ -71,13 +71,12 @@ void VoxelizeReactor::OnDecoded(const absl::Status& status) {
 }
 
 void VoxelizeReactor::Enqueue() {
-  queue().Enqueue([self = ShareOf(*this)] { self->Compute(); });
+  WorkQueue& queue = computation_->IsLarge() ? *Bulk() : environment_.quick;
+  queue.Enqueue([self = ShareOf(*this), &queue] { self->Compute(queue); });
 }
 
-WorkQueue& VoxelizeReactor::queue() const { return computation_->IsLarge() ? environment_.bulk : environment_.quick; }
-
-void VoxelizeReactor::Compute() {
-  const absl::StatusOr<bool> done = ComputeSome();
+void VoxelizeReactor::Compute(const WorkQueue& queue) {
+  const absl::StatusOr<bool> done = ComputeSome(queue);
   if (done.ok() && !*done && HasCredit()) return Enqueue();
   environment_.registry.Pause(this);  // before NextStep may ask for another turn
   {
@@ -91,7 +90,7 @@ void VoxelizeReactor::Compute() {
       paused_ = true;
     }
   }
-  ProceedFrom(queue());
+  ProceedFrom(queue);
 }
 
 bool VoxelizeReactor::HasCredit() {
@@ -99,17 +98,21 @@ bool VoxelizeReactor::HasCredit() {
   return unwritten_bytes_ <= kCredit / 2;
 }
 
-absl::StatusOr<bool> VoxelizeReactor::ComputeSome() {
-  const auto deliver = [this](v1::VoxelizeResponse&& response) { return Deliver(std::move(response)); };
+absl::StatusOr<bool> VoxelizeReactor::ComputeSome(const WorkQueue& queue) {
+  if (!std::exchange(measured_, true)) {
+    const bool was_large = computation_->IsLarge();
+    if (absl::Status status = computation_->Measure(); !status.ok()) return status;
+    if (computation_->IsLarge() != was_large) return false;  // it goes on in the other queue
+  }
+  const auto deliver = [&](v1::VoxelizeResponse&& response) { return Deliver(std::move(response), queue); };
   if (!std::exchange(started_, true)) {
     absl::Status status = computation_->Start(deliver);
-    // Only now is the job's size known. It may go on in the other queue.
     return status.ok() ? absl::StatusOr<bool>(false) : status;
   }
-  return computation_->Advance(deliver, [this] { return queue().contended(); });
+  return computation_->Advance(deliver, [&queue] { return queue.contended(); });
 }
 
-bool VoxelizeReactor::Deliver(v1::VoxelizeResponse&& response) {
+bool VoxelizeReactor::Deliver(v1::VoxelizeResponse&& response, const WorkQueue& queue) {
   bool more = false;
   {
     const std::lock_guard lock(mu_);
@@ -117,7 +120,7 @@ bool VoxelizeReactor::Deliver(v1::VoxelizeResponse&& response) {
     outbox_.push_back(std::move(response));
     more = unwritten_bytes_ < kCredit;
   }
-  ProceedFrom(queue());
+  ProceedFrom(queue);
   return more;
 }
 
@@ -150,6 +153,17 @@ void VoxelizeReactor::EndLocked(const absl::Status& status) {
   ended_ = true;
   status_ = status;
   if (computation_) computation_->Cancel();
+}
+
+void VoxelizeReactor::Oversee() {
+  {
+    const std::lock_guard lock(mu_);
+    if (!computation_ || ended_ || finishing_) return;
+    const absl::Status status = computation_->Oversee();
+    if (status.ok()) return;
+    EndLocked(status);
+  }
+  Proceed();
 }
 
 // One clock runs from the last read, the last write, and the status. A status that already ends the call is the one

@@ -23,7 +23,7 @@ namespace latvox {
 //   waiting    for its turn                                                   in the registry; no thread is held
 //   computing  Computation::ReceiveMesh                                       a task
 //   decoding   Computation::Decode                                            elsewhere; no thread of ours is held
-//   computing  Computation::Start, then Advance again and again               tasks of a queue, one at a time
+//   computing  Computation::Measure and Start, then Advance again and again   tasks of a queue, one at a time
 //   paused     kCredit bytes wait to be written; others have its turn         until half of them are written
 //   waiting    for another turn                                               as before; then computing goes on
 //   ended      a status is decided; Finish follows once no decode, task or write is under way
@@ -42,6 +42,7 @@ class VoxelizeReactor final
 
   void OnWriteDone(bool ok) override;
   void Work() override;
+  void Oversee() override;
   void EndIfStalled(absl::Duration patience) override;
 
  private:
@@ -63,11 +64,10 @@ class VoxelizeReactor final
   void HandleMesh(const WorkQueue& digesting);
   void OnDecoded(const absl::Status& status);
   void Enqueue();
-  WorkQueue& queue() const;
-  void Compute();
+  void Compute(const WorkQueue& queue);
   bool HasCredit();
-  absl::StatusOr<bool> ComputeSome();
-  bool Deliver(v1::VoxelizeResponse&& response);
+  absl::StatusOr<bool> ComputeSome(const WorkQueue& queue);
+  bool Deliver(v1::VoxelizeResponse&& response, const WorkQueue& queue);
   void EndLocked(const absl::Status& status);
   Step NextStep();
   void Proceed();
@@ -84,9 +84,9 @@ class VoxelizeReactor final
   size_t writing_bytes_ = 0;    // of writing_message_
   uint64_t bytes_out_ = 0;
   bool decoding_ = false, writing_ = false;
-  bool paused_ = false;   // has no turn, and does not await one yet
-  bool started_ = false;  // Computation::Start has been called
-  bool ended_ = false;    // status_ is decided; if it is OK, outbox_ still has to be written
+  bool paused_ = false;                      // has no turn, and does not await one yet
+  bool measured_ = false, started_ = false;  // Computation::Measure, Start has been called; of the tasks
+  bool ended_ = false;                       // status_ is decided; if it is OK, outbox_ still has to be written
 };
 
 }  // namespace latvox

@@ -34,6 +34,7 @@ Rows LimitRows(Limits& limits) {
       AtLeastOne(
           Number("--max-visited-points", limits.max_visited_points,
                  "Maximum number of lattice points that one job visits, by an estimate that is mostly of its voxels")),
+      Seconds("--max-job-seconds", 0.001, limits.max_job_time, "Maximum CPU time of one job, without decoding"),
       Bytes(
           "--mesh-store-bytes", limits.mesh_store_bytes,
           "Memory for meshes kept for later requests, encoded and, if there is room, decoded; 0 keeps none; at most an "
@@ -94,7 +95,8 @@ Rows AccessRows(AccessOptions& access) {
              "Serve other machines although this build has no defense against hostile connections, because they reach "
              "it only through a proxy such as haproxy; other builds do not need it"),
       File("--token-file", access.token_file,
-           "File of bearer tokens, one per line: NAME TOKEN [max-jobs=N] [max-mesh-bytes=N] [max-triangles=N]; "
+           "File of bearer tokens, one per line: NAME TOKEN [max-jobs=N] [max-job-seconds=N] [max-mesh-bytes=N] "
+           "[max-triangles=N]; "
            "TOKEN has 16 to 512 characters, or is sha256:HEX; without the file, everybody may call"),
   };
 }

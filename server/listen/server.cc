@@ -32,6 +32,7 @@
 #include "server/listen/health_server.h"
 #include "server/listen/metrics_server.h"
 #include "server/work/memory_budget.h"
+#include "server/work/work_lanes.h"
 #include "server/work/work_queue.h"
 
 namespace latvox {
@@ -166,13 +167,15 @@ class Server final : public VoxelServer {
   absl::Status ListenBesides();
   void Configure(grpc::ServerBuilder& builder) const;
   void Watch();
+  void EndStalled();
   void StopWatch();
 
   const ServerOptions options_;
   const int threads_;
   // oneTBB starts one worker less than this, and at most as many as both queues have places.
   const oneapi::tbb::global_control parallelism_;
-  WorkQueue quick_, bulk_;
+  WorkQueue quick_;
+  WorkLanes bulk_;
   const std::unique_ptr<DecoderPool> decoders_;
   MeshStore meshes_;
   MemoryBudget memory_;
@@ -187,7 +190,7 @@ class Server final : public VoxelServer {
   std::mutex stop_mu_;
   std::condition_variable stopped_;
   bool stopping_ = false;  // guarded by stop_mu_
-  std::thread watch_;      // ends stalled calls
+  std::thread watch_;
 
   std::unique_ptr<HealthServer> health_server_;
   std::unique_ptr<MetricsServer> metrics_server_;  // destroyed first, because it reads the others
@@ -321,18 +324,28 @@ absl::Status Server::ListenBesides() {
   return absl::OkStatus();
 }
 
-// Ends calls of clients that no longer take part, until the server stops.
+// Oversees calls at work, and ends calls of clients that no longer take part, until the server stops.
 void Server::Watch() {
-  const auto interval = absl::ToChronoMilliseconds(std::min(options_.stall_timeout / 4, absl::Seconds(1)));
+  constexpr auto kShortInterval = std::chrono::milliseconds(20);
+  const absl::Duration interval = std::min(options_.stall_timeout / 4, absl::Seconds(1));
+  absl::Time next = absl::Now() + interval;
   std::unique_lock lock(stop_mu_);
-  while (!stopped_.wait_for(lock, interval, [this] { return stopping_; })) {
+  while (!stopped_.wait_for(lock, kShortInterval, [this] { return stopping_; })) {
     lock.unlock();
-    // Clients that do not take their answers keep memory from others no longer than this.
-    constexpr absl::Duration kShortPatience = absl::Seconds(2);
-    registry_.EndStalled(memory_.WasShort() ? std::min(kShortPatience, options_.stall_timeout)
-                                            : options_.stall_timeout);
+    registry_.WaitForWork(interval);
+    registry_.Oversee();
+    if (absl::Now() >= next) {
+      EndStalled();
+      next = absl::Now() + interval;
+    }
     lock.lock();
   }
+}
+
+// Clients that do not take their answers keep memory from others no longer than the short patience.
+void Server::EndStalled() {
+  constexpr absl::Duration kShortPatience = absl::Seconds(2);
+  registry_.EndStalled(memory_.WasShort() ? std::min(kShortPatience, options_.stall_timeout) : options_.stall_timeout);
 }
 
 void Server::StopWatch() {

@@ -143,6 +143,7 @@ v1::GetLimitsResponse LimitsToProto(const Limits& limits) {
   response.set_memory_budget_bytes(limits.memory_budget_bytes);
   response.set_mesh_store_bytes(limits.mesh_store_bytes);
   response.set_max_visited_points(limits.max_visited_points);
+  response.set_max_job_seconds(absl::ToDoubleSeconds(limits.max_job_time));
   return response;
 }
 

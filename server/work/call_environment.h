@@ -9,6 +9,7 @@
 namespace latvox {
 
 class CallRegistry;
+class WorkLanes;
 class WorkQueue;
 class MemoryBudget;
 class MeshDecoder;
@@ -22,7 +23,7 @@ struct CallEnvironment {
   MeshStore& meshes;
   MemoryBudget& memory;
   WorkQueue& quick;  // for work of some milliseconds
-  WorkQueue& bulk;   // for longer work
+  WorkLanes& bulk;   // for longer work
   CallRegistry& registry;
   Metrics& metrics;
   std::string client = {};  // that the call counts for

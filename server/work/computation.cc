@@ -4,13 +4,14 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "core/brick/tile_order.h"
 #include "core/voxelizer/estimate.h"
 #include "server/base/errors.h"
 #include "server/base/exceptions.h"
 #include "server/base/milliseconds.h"
-#include "server/work/work_queue.h"
+#include "server/work/work_lanes.h"
 
 namespace latvox {
 namespace {
@@ -23,9 +24,15 @@ constexpr auto kSlice = std::chrono::milliseconds(20);
 
 constexpr double kLongMilliseconds = 50;
 
-// Returns whether a job takes more than that on one core, at 50 ns a triangle and 15 ns a visited point.
-bool LastsLong(uint64_t triangles, double visits) {
-  return static_cast<double>(triangles) * 50 + visits * 15 > kLongMilliseconds * 1e6;
+// Returns the milliseconds of a job on one core. A visit of a band finds a distance; fields need the nearest triangle.
+double EstimateMilliseconds(const VoxelRequest& request, uint64_t triangles, double visits) {
+  const double per_visit = request.band() == nullptr ? 15e-6 : 100e-6;
+  const double per_triangle = request.fields.empty() ? 50e-6 : 1e-3;
+  return static_cast<double>(triangles) * per_triangle + visits * per_visit;
+}
+
+bool LastsLong(const VoxelRequest& request, uint64_t triangles, double visits) {
+  return EstimateMilliseconds(request, triangles, visits) > kLongMilliseconds;
 }
 
 absl::Status BadResumePoint(const Vec3i& tile_ijk) {
@@ -150,6 +157,9 @@ bool Computation::FindDecoded() {
 }
 
 void Computation::Free() {
+  facts_.cpu_ms = 1e3 * (cpu_.Seconds() + (job_ ? job_->CpuSeconds() : 0));
+  facts_.reserved_bytes = memory_.most_bytes();
+  running_ = nullptr;
   job_.reset();
   voxels_ = {};
   mesh_.Clear();
@@ -168,7 +178,7 @@ absl::Status Computation::ReserveForJob(const TriangleMesh& mesh) {
   if (absl::Status status = CheckCancelled(); !status.ok()) return status;
   const uint64_t triangles = mesh.triangles.size();
   const uint64_t vertices = mesh.vertices.size() + AsFloats(mesh.double_vertices.size());
-  large_ = LastsLong(triangles, 0);
+  large_ = LastsLong(spec_.request, triangles, 0);
   return memory_.ReserveMesh(triangles, vertices);
 }
 
@@ -187,6 +197,12 @@ JobEstimate Computation::EstimateJob(const TriangleMesh& mesh, double voxels) co
   return {voxels, crossings, source_.bounds, grid_->lattice.voxel_size()};
 }
 
+// Verification counts without tiles, and takes some twenty times as long as the scan.
+bool Computation::VerifiesLong() const {
+  constexpr double kTimes = 20;
+  return spec_.request.verify && LastsLong(spec_.request, facts_.triangles, kTimes * visits_);
+}
+
 absl::Status Computation::CheckVisits(absl::string_view what, double visits) const {
   const uint64_t limit = environment_.limits.max_visited_points;
   if (visits > static_cast<double>(limit)) {
@@ -197,36 +213,66 @@ absl::Status Computation::CheckVisits(absl::string_view what, double visits) con
   return absl::OkStatus();
 }
 
+absl::Status Computation::Measure() {
+  return WithoutExceptions([&]() -> absl::Status {
+    if (absl::Status status = CheckCancelled(); !status.ok()) return status;
+    const Stopwatch stopwatch(facts_.voxelize_ms);
+    const CpuMeter::Scope scope(cpu_);
+    if (!kept_) ShareIfItComesAgain();
+    const DecodedMesh& decoded = mesh_of_job();
+    facts_.triangles = decoded.mesh.triangles.size();
+    source_ = {decoded.extent.bounds, decoded.quantization_bits};
+    if (absl::Status status = CheckCancelled(); !status.ok()) return status;
+    absl::StatusOr<Grid> grid =
+        ResolveGrid(spec_.grid.lattice, spec_.grid.sampling, spec_.grid.origin, source_.bounds, spec_.placement);
+    if (!grid.ok()) return WithCauseOfCore(grid.status(), spec_.fields);
+    grid_ = *std::move(grid);
+    const VoxelRequest& request = spec_.request;
+    estimate_ =
+        EstimateJob(decoded.mesh, EstimateVoxels(decoded.mesh, decoded.extent, *grid_, request, stop_.Signal()));
+    visits_ = EstimateVisits(decoded.mesh, decoded.extent, *grid_, request, stop_.Signal());
+    large_ = LastsLong(request, facts_.triangles, visits_);
+    facts_.estimated_ms = EstimateMilliseconds(request, facts_.triangles, visits_);
+    return CheckCancelled();
+  });
+}
+
 absl::Status Computation::CreateJob() {
   const Stopwatch stopwatch(facts_.voxelize_ms);
-  if (!kept_) ShareIfItComesAgain();
-  const std::shared_ptr<const DecodedMesh> kept = std::move(kept_);
-  const DecodedMesh& decoded = kept ? *kept : decoded_;
-  facts_.triangles = decoded.mesh.triangles.size();
-  source_ = {decoded.extent.bounds, decoded.quantization_bits};
-  if (absl::Status status = CheckCancelled(); !status.ok()) return status;
-  absl::StatusOr<Grid> grid =
-      ResolveGrid(spec_.grid.lattice, spec_.grid.sampling, spec_.grid.origin, source_.bounds, spec_.placement);
-  if (!grid.ok()) return WithCauseOfCore(grid.status(), spec_.fields);
-  grid_ = *std::move(grid);
-  const double voxels = EstimateVoxels(decoded.mesh, decoded.extent, *grid_, spec_.request, stop_.Signal());
-  const double visits = EstimateVisits(decoded.mesh, decoded.extent, *grid_, spec_.request, stop_.Signal());
-  const JobEstimate estimate = EstimateJob(decoded.mesh, voxels);
   VoxelRequest request = spec_.request;
   if (spec_.request.verify) request.part.resume_after.reset();  // verify the whole result
-  auto job = kept ? VoxelizeJob::CreateFromValid({kept, &kept->mesh}, *grid_, request, stop_.Signal())
-                  : VoxelizeJob::CreateFromValid(std::move(decoded_.mesh), *grid_, request, stop_.Signal());
-  if (!job.ok()) return WithCauseOfCore(job.status(), spec_.fields);
-  job_ = *std::move(job);
+  {
+    const CpuMeter::Scope scope(cpu_);
+    const std::shared_ptr<const DecodedMesh> kept = std::move(kept_);
+    auto job = kept ? VoxelizeJob::CreateFromValid({kept, &kept->mesh}, *grid_, request, stop_.Signal())
+                    : VoxelizeJob::CreateFromValid(std::move(decoded_.mesh), *grid_, request, stop_.Signal());
+    if (!job.ok()) return WithCauseOfCore(job.status(), spec_.fields);
+    job_ = *std::move(job);
+  }
   running_ = job_.get();
-  if (absl::Status status = CheckVisits("visited_points (estimated)", visits); !status.ok()) return status;
-  large_ = LastsLong(facts_.triangles, visits);
-  if (absl::Status status = memory_.ReserveJob(estimate); !status.ok()) return status;
+  if (absl::Status status = CheckVisits("visited_points (estimated)", visits_); !status.ok()) return status;
+  if (absl::Status status = memory_.ReserveJob(estimate_); !status.ok()) return status;
   if (spec_.request.part.resume_after && !job_->facts().HasTile(*spec_.request.part.resume_after)) {
     return BadResumePoint(*spec_.request.part.resume_after);
   }
   if (absl::Status status = job_->Prepare(); !status.ok()) return WithCauseOfCore(status);
   return CheckCancelled();
+}
+
+absl::Status Computation::Oversee() {
+  VoxelizeJob* const job = running_;
+  const double seconds = cpu_.Seconds() + (job == nullptr ? 0 : job->CpuSeconds());
+  const double limit = absl::ToDoubleSeconds(environment_.limits.max_job_time);
+  if (seconds > limit) {
+    const std::string value = absl::StrFormat("%.1f", seconds), most = absl::StrCat(limit);
+    return MakeError(absl::StatusCode::kResourceExhausted,
+                     absl::StrCat("job_seconds ", value, " of CPU time exceed ", most),
+                     {"LIMIT_EXCEEDED", "job_seconds", value, most});
+  }
+  constexpr Clock::rep kLong = Clock::duration(std::chrono::milliseconds(static_cast<int>(kLongMilliseconds))).count();
+  const Clock::rep since = small_since_;
+  if (job != nullptr && since != 0 && Clock::now().time_since_epoch().count() - since > kLong) job->Interrupt();
+  return absl::OkStatus();
 }
 
 absl::Status Computation::Start(const Deliver& deliver) {
@@ -247,11 +293,13 @@ absl::StatusOr<bool> Computation::Advance(const Deliver& deliver, const std::fun
     absl::StatusOr<bool> done = false;
     {
       const Stopwatch stopwatch(facts_.voxelize_ms);
-      const Clock::time_point slice_end = Clock::now() + kSlice;
+      const Clock::time_point now = Clock::now(), slice_end = now + kSlice;
+      small_since_ = large_ ? 0 : now.time_since_epoch().count();
       done = job_->Advance([&](TileBricks&& tile) {
         const bool more = HandleTile(tile, deliver);
         return more && (Clock::now() < slice_end || !make_way());
       });
+      small_since_ = 0;
     }
     if (!done.ok()) return done;
     if (!failure_.ok()) return failure_;
@@ -261,6 +309,10 @@ absl::StatusOr<bool> Computation::Advance(const Deliver& deliver, const std::fun
     if (absl::Status status = CheckVisits("voxels", static_cast<double>(facts_.voxels)); !status.ok()) return status;
     paused_at_ = Clock::now();
     if (!*done) return false;
+    if (!large_ && VerifiesLong()) {
+      large_ = true;
+      return false;
+    }
     if (absl::Status status = DeliverSummary(deliver); !status.ok()) return status;
     return true;
   });

@@ -1,6 +1,6 @@
 // One request's work after its upload: encoded mesh in, response messages out. It does not know gRPC.
 //
-//   Receive … ──▶ ReceiveMesh ──▶ Decode ──▶ (elsewhere) ──▶ decoded ──▶ Start ──▶ Advance ──▶ Advance …
+//   Receive … ──▶ ReceiveMesh ──▶ Decode ──▶ (elsewhere) ──▶ decoded ──▶ Measure ──▶ Start ──▶ Advance ──▶ Advance …
 #ifndef LATVOX_SERVER_WORK_COMPUTATION_H_
 #define LATVOX_SERVER_WORK_COMPUTATION_H_
 
@@ -14,6 +14,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "core/base/cpu_meter.h"
 #include "core/base/stop_signal.h"
 #include "core/voxelizer/voxelizer.h"
 #include "latvox/v1/voxelizer.pb.h"
@@ -30,11 +31,13 @@ namespace latvox {
 // The results and times of a computation so far.
 struct ComputationFacts {
   uint64_t triangles = 0, voxels = 0, bricks = 0;
+  uint64_t reserved_bytes = 0;          // of memory, at most
+  double estimated_ms = 0, cpu_ms = 0;  // of CPU time: before the job began, and at its end
   double decode_ms = 0, voxelize_ms = 0;
   double stream_ms = 0;  // pauses: the wait for the client, then for a turn
 };
 
-// Threads: one step after the other; Cancel at any time.
+// Threads: one step after the other; Cancel and Oversee at any time.
 class Computation {
  public:
   // Takes a finished message; returns false to pause.
@@ -59,12 +62,16 @@ class Computation {
   // decode.
   bool IsLarge() const { return large_; }
 
-  // Delivers Accepted. Call it once, after a successful decode. Errors: as the contract; CANCELLED after Cancel.
+  // Finds the grid, and estimates the job. Call it once, after a successful decode. Errors: as the contract; CANCELLED
+  // after Cancel.
+  absl::Status Measure();
+
+  // Delivers Accepted. Call it once, after Measure. Errors: as the contract; CANCELLED after Cancel.
   absl::Status Start(const Deliver& deliver);
 
   // Delivers further BrickBatches until paused (false), or to the end, with Summary as the last message (true). Pauses
-  // after some milliseconds if `make_way` says that others wait. Errors: CANCELLED after Cancel, INTERNAL,
-  // RESOURCE_EXHAUSTED if memory runs out.
+  // after some milliseconds if `make_way` says that others wait, and when the job becomes large. Errors: CANCELLED
+  // after Cancel, INTERNAL, RESOURCE_EXHAUSTED if memory runs out.
   absl::StatusOr<bool> Advance(const Deliver& deliver, const std::function<bool()>& make_way);
 
   // Gives all memory back, but keeps facts(). Call it when no step and no Cancel runs or follows.
@@ -72,6 +79,10 @@ class Computation {
 
   // Ends the current step soon.
   void Cancel();
+
+  // Call it every few milliseconds. Ends an Advance soon, even in the middle of a tile, once it takes longer than a
+  // small job. Errors: RESOURCE_EXHAUSTED if the job has used up its CPU time.
+  absl::Status Oversee();
 
   const JobSpec& spec() const { return spec_; }
   // Not during a step.
@@ -86,7 +97,9 @@ class Computation {
   absl::Status ReceiveDecoded(absl::StatusOr<DecodedMesh> mesh);
   absl::Status ReserveForJob(const TriangleMesh& mesh);
   void ShareIfItComesAgain();
+  const DecodedMesh& mesh_of_job() const { return kept_ ? *kept_ : decoded_; }
   JobEstimate EstimateJob(const TriangleMesh& mesh, double voxels) const;
+  bool VerifiesLong() const;
   absl::Status CheckVisits(absl::string_view what, double visits) const;
   absl::Status CreateJob();
   bool HandleTile(const TileBricks& tile, const Deliver& deliver);
@@ -104,13 +117,17 @@ class Computation {
   StopSource stop_;
   std::mutex decoding_mu_;
   std::shared_ptr<MeshDecoder::Decoding> decoding_;  // for Cancel; guarded by decoding_mu_
-  std::atomic<VoxelizeJob*> running_ = nullptr;      // job_, for Cancel
+  std::atomic<VoxelizeJob*> running_ = nullptr;      // job_, for Cancel and Oversee
+  std::atomic<Clock::rep> small_since_ = 0;          // when Advance of a small job began; 0: none runs
+  CpuMeter cpu_;                                     // of the steps before the job exists
   Clock::time_point decode_began_;
   absl::Cord mesh_;                          // encoded, until it is decoded
   bool mesh_comes_again_ = false;            // it was stored before this request
   std::shared_ptr<const DecodedMesh> kept_;  // until Start, if the store has the mesh
   DecodedMesh decoded_;                      // until Start, if the store does not have it
   bool large_ = false;
+  double visits_ = 0;  // estimated
+  JobEstimate estimate_;
   std::unique_ptr<VoxelizeJob> job_;
   std::optional<Grid> grid_;
   MeshSource source_;

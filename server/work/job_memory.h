@@ -53,6 +53,9 @@ class JobMemory {
   // Gives everything back.
   void Free();
 
+  // The most that was reserved at any time.
+  uint64_t most_bytes() const { return memory_.most_bytes(); }
+
  private:
   uint64_t BytesOf(uint64_t triangles, uint64_t vertices) const;
   uint64_t BytesOfSolid(double line_crossings) const;

@@ -68,6 +68,7 @@ absl::Status MemoryReservation::Grow(uint64_t bytes) {
                      kRetryDelay);
   }
   bytes_ = bytes;
+  most_bytes_ = std::max(most_bytes_, bytes);
   return absl::OkStatus();
 }
 

@@ -72,11 +72,12 @@ class MemoryReservation {
   void Shrink(uint64_t bytes);
 
   uint64_t bytes() const { return bytes_; }
+  uint64_t most_bytes() const { return most_bytes_; }  // at any time so far
 
  private:
   MemoryBudget* budget_;
   std::string client_;
-  uint64_t bytes_ = 0;
+  uint64_t bytes_ = 0, most_bytes_ = 0;
 };
 
 // Three quarters of the memory of the machine, or of the process's control groups if these have less.

@@ -350,6 +350,7 @@ struct Limits {
   uint64_t memory_budget_bytes = 0;  // shared by all jobs and stored meshes
   uint64_t mesh_store_bytes = 0;     // for all stored meshes
   uint64_t max_visited_points = 0;   // lattice points that one request looks at, by the server's estimate
+  double max_job_seconds = 0;        // CPU time of one job, without decoding its mesh
 };
 
 }  // namespace latvox::client

@@ -75,6 +75,7 @@ Json LimitsJson(const Limits& limits) {
           {"memory_budget_bytes", limits.memory_budget_bytes},
           {"mesh_store_bytes", limits.mesh_store_bytes},
           {"max_visited_points", limits.max_visited_points},
+          {"max_job_seconds", limits.max_job_seconds},
           {"version", limits.version}};
 }
 

@@ -10,6 +10,7 @@
 #include "server/decode/mesh_store.h"
 #include "server/work/call_environment.h"
 #include "server/work/memory_budget.h"
+#include "server/work/work_lanes.h"
 #include "server/work/work_queue.h"
 
 namespace latvox {
@@ -24,7 +25,8 @@ struct TestEnvironment {
   MeshDecoder& decoder;
   MeshStore meshes{limits.mesh_store_bytes};
   MemoryBudget memory{limits.memory_budget_bytes};
-  WorkQueue quick{1, 0}, bulk{1, 10};
+  WorkQueue quick{1, 0};
+  WorkLanes bulk{1, 10};
   Authenticator everybody{""};
   Metrics metrics;
   CallRegistry registry{{limits.max_jobs, limits.max_queued_jobs, limits.max_jobs_per_client}};

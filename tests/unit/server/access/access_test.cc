@@ -53,14 +53,16 @@ TEST(TokenSet, AHashInTheFileStandsForItsToken) {
 }
 
 TEST(TokenSet, ANameMayHaveSeveralTokensWithLimitsOfTheirOwn) {
-  const auto set = TokenSet::Parse(
-      absl::StrCat("alice ", kToken, " max-jobs=2 max-mesh-bytes=64MiB max-triangles=9\n", "alice ", kOther, "\n"));
+  const auto set = TokenSet::Parse(absl::StrCat("alice ", kToken,
+                                                " max-jobs=2 max-mesh-bytes=64MiB max-triangles=9 max-job-seconds=7\n",
+                                                "alice ", kOther, "\n"));
   ASSERT_TRUE(set.ok()) << set.status();
   const Caller limited = *set->Find(kToken), free = *set->Find(kOther);
   EXPECT_EQ(limited.client, free.client);
   EXPECT_EQ(limited.limits.max_jobs, 2);
   EXPECT_EQ(limited.limits.max_mesh_bytes, 64 << 20);
   EXPECT_EQ(limited.limits.max_triangles, 9);
+  EXPECT_EQ(limited.limits.max_job_seconds, 7);
   EXPECT_EQ(free.limits.max_jobs, 0);
 }
 
@@ -76,6 +78,7 @@ TEST(TokenSet, RefusesAFileThatIsWrongNamingTheLineButNeverATokensText) {
            {"alice sha256:00ff", "line 2: sha256: is not followed by 64"},
            {"alice correct-horse-battery max-job=2", "line 2: behind the token stands none of"},
            {"alice staple-horse-battery correct-horse-battery", "line 2: behind the token stands none of"},
+           {"alice correct-horse-battery max-job-seconds=1.5", "line 2: max-job-seconds is not a whole number above 0"},
            {"alice correct-horse-battery max-jobs=0", "line 2: max-jobs is not a whole number above 0"},
            {"alice correct-horse-battery max-jobs=-1", "line 2: max-jobs is not a whole number above 0"},
            {"alice correct-horse-battery max-jobs=4294967296", "line 2: max-jobs is above 4294967295"},

@@ -4,10 +4,12 @@
 
 #include <memory>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
 #include "absl/strings/escaping.h"
+#include "absl/time/clock.h"
 #include "server/base/errors.h"
 #include "server/calls/call_registry.h"
 #include "server/decode/mesh_store.h"
@@ -22,9 +24,10 @@ class FakeCall : public LiveCall {
  public:
   void Stop(const absl::Status& status) override { stopped = status; }
   void Work() override { ++turns; }
+  void Oversee() override { ++looks; }
   void EndIfStalled(absl::Duration patience) override { patience_asked = patience; }
   absl::Status stopped;
-  int turns = 0;
+  int turns = 0, looks = 0;
   absl::Duration patience_asked;
 };
 
@@ -54,6 +57,31 @@ TEST(CallRegistry, AdmitsUpToItsLimitAndAgainOnceAPlaceIsVacated) {
   registry.Remove(a.get());
   EXPECT_TRUE(registry.WaitUntilEmpty(absl::ZeroDuration()));
   EXPECT_EQ(registry.working() + registry.queued(), 0);
+}
+
+TEST(CallRegistry, OverseesCallsAtWorkAlone) {
+  CallRegistry registry({1, 2, 9});
+  const auto working = EnterAndWait(registry, "x"), waiting = EnterAndWait(registry, "y"),
+             reading = Enter(registry, "z");
+  registry.Oversee();
+  EXPECT_EQ(working->looks, 1);
+  EXPECT_EQ(waiting->looks + reading->looks, 0);
+}
+
+TEST(CallRegistry, WaitsForWork) {
+  CallRegistry registry({1, 1, 9});
+  registry.WaitForWork(absl::Milliseconds(1));  // in vain
+  const auto call = Enter(registry, "x");
+  std::jthread worker([&] {
+    absl::SleepFor(absl::Milliseconds(20));
+    registry.AwaitTurn(call.get());
+  });
+  registry.WaitForWork(absl::Seconds(20));
+  EXPECT_EQ(registry.working(), 1);
+  worker.join();
+  registry.Pause(call.get());
+  registry.Close();
+  registry.WaitForWork(absl::Seconds(20));  // ends at once
 }
 
 TEST(CallRegistry, HasRoomForAsManyAsNumbersSay) {

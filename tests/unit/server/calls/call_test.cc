@@ -139,6 +139,17 @@ TEST_F(ServerTest, DoesNotAskToTryAgainWhatWillNeverDo) {
   }
 }
 
+TEST_F(ServerTest, EndsAJobThatHasUsedUpItsTime) {
+  options_.limits.max_job_time = absl::Milliseconds(100);
+  Start();
+  v1::VoxelizeSpec spec = Spec(20000);
+  const Answer answer = Voxelize(*stub_, spec, SphereBytes());
+  EXPECT_EQ(answer.status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  EXPECT_THAT(answer.status.error_message(), ::testing::MatchesRegex("job_seconds 0\\.[0-9] of CPU time exceed 0\\.1"));
+  EXPECT_EQ(ErrorInfoOf(answer.status).metadata().at("limit_name"), "max_job_seconds");
+  EXPECT_EQ(answer.trailer("grpc-retry-pushback-ms"), "-1");
+}
+
 TEST_F(ServerTest, RefusesEveryOtherOrderOfMessages) {
   Start();
   const auto expect_refused = [](const Answer& answer, const std::string& message) {

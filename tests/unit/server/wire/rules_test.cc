@@ -294,6 +294,7 @@ TEST(Limits, AreReportedAsTheyAreSet) {
                                                       .max_queued_jobs = 6,
                                                       .max_jobs_per_client = 7,
                                                       .max_visited_points = 8,
+                                                      .max_job_time = absl::Seconds(2.5),
                                                       .memory_budget_bytes = 9,
                                                       .mesh_store_bytes = 10,
                                                       .max_message_bytes = 5});
@@ -305,6 +306,7 @@ TEST(Limits, AreReportedAsTheyAreSet) {
   EXPECT_EQ(limits.max_queued_jobs(), 6);
   EXPECT_EQ(limits.max_jobs_per_client(), 7);
   EXPECT_EQ(limits.max_visited_points(), 8);
+  EXPECT_EQ(limits.max_job_seconds(), 2.5);
   EXPECT_EQ(limits.memory_budget_bytes(), 9);
   EXPECT_EQ(limits.mesh_store_bytes(), 10);
   EXPECT_EQ(limits.max_extent(), kMaxExtent);

@@ -7,6 +7,7 @@
 #include <future>
 #include <optional>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -138,6 +139,11 @@ absl::Status Decode(Computation& computation, std::string bytes) {
   return decoded.get_future().get();
 }
 
+absl::Status Begin(Computation& computation, const Computation::Deliver& deliver) {
+  const absl::Status status = computation.Measure();
+  return status.ok() ? computation.Start(deliver) : status;
+}
+
 // The bricks of every message, and the summary, of a computation that is paused after every `stride` messages.
 std::vector<v1::VoxelizeResponse> Compute(const JobSpec& spec, int stride) {
   ThreadDecoder decoder;
@@ -149,7 +155,7 @@ std::vector<v1::VoxelizeResponse> Compute(const JobSpec& spec, int stride) {
     messages.push_back(std::move(message));
     return static_cast<int>(messages.size()) % stride != 0;
   };
-  EXPECT_TRUE(computation.Start(deliver).ok());
+  EXPECT_TRUE(Begin(computation, deliver).ok());
   for (;;) {
     const absl::StatusOr<bool> done = computation.Advance(deliver, kNever);
     EXPECT_TRUE(done.ok()) << done.status();
@@ -184,7 +190,7 @@ TEST(Computation, ReservesBeforehandWhatVerificationKeeps) {
       spec.set_verify(verify);
       Computation computation(*JobSpecFromProto(spec, {}), "id", environment.shared());
       ASSERT_TRUE(Decode(computation, EncodeDraco(Sphere(20), {})).ok());
-      ASSERT_TRUE(computation.Start(ignore).ok());
+      ASSERT_TRUE(Begin(computation, ignore).ok());
       const uint64_t reserved = environment.memory.reserved();
       for (bool done = false; !done;) {
         const absl::StatusOr<bool> advanced = computation.Advance([](v1::VoxelizeResponse&&) { return false; }, kNever);
@@ -211,7 +217,7 @@ TEST(Computation, ReservesWhatThinningTakesWhereTrianglesFillAVolume) {
     for (int n = 1; n < copies; ++n) mesh.triangles.insert(mesh.triangles.end(), once.begin(), once.end());
     Computation computation(*JobSpecFromProto(spec, {}), "id", environment.shared());
     EXPECT_TRUE(Decode(computation, EncodeDraco(mesh, {.method = DracoMethod::kSequential})).ok());
-    EXPECT_TRUE(computation.Start([](v1::VoxelizeResponse&&) { return true; }).ok());
+    EXPECT_TRUE(Begin(computation, [](v1::VoxelizeResponse&&) { return true; }).ok());
     return environment.memory.reserved();
   };
   constexpr uint64_t kMebibyte = 1 << 20;
@@ -244,7 +250,7 @@ TEST(Computation, DecodesAMeshTwiceAtMost) {
     Computation computation(*JobSpecFromProto(spec, {}), "id", environment.shared());
     ASSERT_TRUE(Decode(computation, bytes).ok());
     EXPECT_EQ(decoder.decodes, decodes);
-    ASSERT_TRUE(computation.Start(ignore).ok());
+    ASSERT_TRUE(Begin(computation, ignore).ok());
     ASSERT_TRUE(computation
                     .Advance(
                         [&](v1::VoxelizeResponse&& message) {
@@ -275,20 +281,76 @@ TEST(Computation, LeavesAKeptMeshOverTheCallersLimitsToTheDecoder) {
   EXPECT_THAT(std::string(Decode(computation, bytes).message()), ::testing::HasSubstr("mesh.triangles"));
 }
 
+// Triangles that all cover the same few voxels of the region. The estimate spreads them over the mesh's box.
+JobSpec MisjudgedSpec() {
+  v1::VoxelizeSpec spec = GoodSpec();
+  spec.mutable_lattice()->set_named(v1::NAMED_LATTICE_CARTESIAN);
+  spec.set_voxel_size(1);
+  v1::Ijk &low = *spec.mutable_region()->mutable_min(), &high = *spec.mutable_region()->mutable_max();
+  low.set_i(20);
+  low.set_j(20);
+  low.set_k(-4);
+  high.set_i(28);
+  high.set_j(28);
+  high.set_k(4);
+  return *JobSpecFromProto(spec, {});
+}
+
+TriangleMesh MisjudgedMesh() {
+  TriangleMesh mesh{{{0, 0, 0.3F}, {90, 0, 0.3F}, {0, 90, 0.7F}, {90, 90, 90}, {90, 89, 90}, {89, 90, 90}},
+                    {{3, 4, 5}}};
+  mesh.triangles.insert(mesh.triangles.end(), 30000, {0, 1, 2});
+  return mesh;
+}
+
+TEST(Computation, IsInterruptedInTheMiddleOfATileOnceASmallJobHasTakenLong) {
+  ThreadDecoder decoder;
+  TestEnvironment environment(decoder);
+  const std::string bytes = EncodeDraco(MisjudgedMesh(), {.method = DracoMethod::kSequential});
+  std::vector<std::string> digests;
+  for (const bool overseen : {false, true}) {
+    Computation computation(MisjudgedSpec(), "id", environment.shared());
+    ASSERT_TRUE(Decode(computation, bytes).ok());
+    const auto deliver = [&](v1::VoxelizeResponse&& message) {
+      if (message.has_summary()) digests.push_back(message.summary().certificate().digest());
+      return true;
+    };
+    ASSERT_TRUE(Begin(computation, deliver).ok());
+    ASSERT_FALSE(computation.IsLarge());
+    std::jthread overseer([&](const std::stop_token& over) {
+      while (overseen && !over.stop_requested()) EXPECT_TRUE(computation.Oversee().ok());
+    });
+    int pauses = 0;
+    for (absl::StatusOr<bool> done = false; !*done; pauses += *done ? 0 : 1) {
+      done = computation.Advance(deliver, kNever);
+      ASSERT_TRUE(done.ok()) << done.status();
+    }
+    EXPECT_EQ(pauses, overseen ? 1 : 0);
+    EXPECT_TRUE(computation.IsLarge());
+  }
+  EXPECT_EQ(digests.size(), 2);
+  EXPECT_EQ(digests.front(), digests.back());
+}
+
 TEST(Computation, IsCancelledBeforeEachOfItsSteps) {
   ThreadDecoder decoder;
   TestEnvironment environment(decoder);
   const auto ignore = [](v1::VoxelizeResponse&&) { return true; };
-  for (const int steps : {0, 1, 2}) {
+  for (const int steps : {0, 1, 2, 3}) {
     Computation computation(*JobSpecFromProto(GoodSpec(), {}), "id", environment.shared());
     if (steps == 0) computation.Cancel();
     absl::Status status = Decode(computation, EncodeDraco(Sphere(20), {}));
     if (steps > 0) {
       ASSERT_TRUE(status.ok()) << status;
       if (steps == 1) computation.Cancel();
-      status = computation.Start(ignore);
+      status = computation.Measure();
     }
     if (steps > 1) {
+      ASSERT_TRUE(status.ok()) << status;
+      if (steps == 2) computation.Cancel();
+      status = computation.Start(ignore);
+    }
+    if (steps > 2) {
       ASSERT_TRUE(status.ok()) << status;
       computation.Cancel();
       status = computation.Advance(ignore, kNever).status();
@@ -304,7 +366,7 @@ TEST(Computation, NamesTheFieldOfWhatCoreRefuses) {
   proto.set_voxel_size(1e-6);
   Computation computation(*JobSpecFromProto(proto, {}), "id", environment.shared());
   ASSERT_TRUE(Decode(computation, EncodeDraco(Sphere(20), {})).ok());
-  const absl::Status status = computation.Start([](v1::VoxelizeResponse&&) { return true; });
+  const absl::Status status = Begin(computation, [](v1::VoxelizeResponse&&) { return true; });
   EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted);
   EXPECT_EQ(CauseOf(status)->reason, "LIMIT_EXCEEDED");
   EXPECT_EQ(CauseOf(status)->field, "voxel_size");

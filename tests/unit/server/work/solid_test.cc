@@ -90,7 +90,8 @@ Outcome Compute(const v1::VoxelizeSpec& proto, const TriangleMesh& mesh, const L
     outcome.messages.push_back(std::move(message));
     return true;
   };
-  outcome.status = computation.Start(deliver);
+  outcome.status = computation.Measure();
+  if (outcome.status.ok()) outcome.status = computation.Start(deliver);
   outcome.memory = environment.memory.reserved();
   while (outcome.status.ok()) {
     const absl::StatusOr<bool> done = computation.Advance(deliver, [] { return false; });
