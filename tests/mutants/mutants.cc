@@ -250,6 +250,9 @@ int Main(int argc, char** argv) {
 }  // namespace latvox::client
 
 int main(int argc, char** argv) {
-  if (const auto status = latvox::client::ReadForParent(argc, argv)) return *status;
+  if (latvox::client::IsReader(argc, argv)) {
+    latvox::EndAsUsual();
+    latvox::client::ReadForParent(argv);
+  }
   return latvox::client::Main(argc, argv);
 }

@@ -277,7 +277,10 @@ ExitStatus Main(int argc, char** argv) {
 const latvox::OrderlyEnd latvox::kOrderlyEnd = {"latvox", static_cast<int>(latvox::client::ExitStatus::kRefused)};
 
 int main(int argc, char** argv) {
-  if (const auto status = latvox::client::ReadForParent(argc, argv)) return *status;
+  if (latvox::client::IsReader(argc, argv)) {
+    latvox::EndAsUsual();
+    latvox::client::ReadForParent(argv);
+  }
   const int status = static_cast<int>(latvox::client::Main(argc, argv));
   if (latvox::client::AnyAbandoned()) _exit(status);
   return status;

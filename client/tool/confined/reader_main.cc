@@ -17,7 +17,6 @@
 #include "client/tool/confined/reader_process.h"
 #include "client/tool/confined/reader_sandbox.h"
 #include "deploy/process/exhaustion.h"
-#include "deploy/process/orderly_end.h"
 
 namespace latvox::client {
 namespace {
@@ -65,9 +64,9 @@ absl::StatusOr<GridContent> Read(std::istream& in, const std::string& what, cons
 
 }  // namespace
 
-std::optional<int> ReadForParent(int argc, char** argv) {
-  if (argc != kArguments || argv[1] != std::string(kReaderArgument)) return std::nullopt;
-  EndAsUsual();
+bool IsReader(int argc, char** argv) { return argc == kArguments && argv[1] == std::string(kReaderArgument); }
+
+void ReadForParent(char** argv) {
   int parent = 0;
   ReaderLimits limits;
   if (!absl::SimpleAtoi(argv[2], &parent) || !absl::SimpleAtoi(argv[3], &limits.memory) ||

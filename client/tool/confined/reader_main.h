@@ -2,16 +2,17 @@
 #ifndef LATVOX_CLIENT_TOOL_CONFINED_READER_MAIN_H_
 #define LATVOX_CLIENT_TOOL_CONFINED_READER_MAIN_H_
 
-#include <optional>
-
 namespace latvox::client {
 
 // What such a process sends.
 inline constexpr char kReadInfo[] = "info", kReadVoxels[] = "voxels", kReadContent[] = "content";
 
-// If ReaderProcess started this process, reads the file, sends the result, and returns the exit status. Programs that
-// read foreign files call it first in main().
-std::optional<int> ReadForParent(int argc, char** argv);
+// Returns whether ReaderProcess started this process. Programs that read foreign files ask first in main(), and then
+// call EndAsUsual of deploy/process and ReadForParent.
+bool IsReader(int argc, char** argv);
+
+// Reads the file, sends the result, and ends the process.
+[[noreturn]] void ReadForParent(char** argv);
 
 }  // namespace latvox::client
 

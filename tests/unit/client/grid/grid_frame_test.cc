@@ -54,11 +54,11 @@ std::string With(std::string bytes, const std::string& old, const std::string& n
 TEST(GridFrame, TellsNamesTypesAndMetadata) {
   const GridFrame frame = Read(Whole());
   ASSERT_EQ(frame.grids.size(), 2u);
-  EXPECT_EQ(frame.grids[0].name, "part");
-  EXPECT_EQ(frame.grids[0].type, "Tree_int32_5_4_3");
-  EXPECT_EQ(frame.grids[1].name, "voxels");
+  EXPECT_EQ(frame.grids[1].name, "part");
+  EXPECT_EQ(frame.grids[1].type, "Tree_int32_5_4_3");
+  EXPECT_EQ(frame.grids[0].name, "voxels");
   int digests = 0;
-  for (const FrameMetadata& metadata : frame.grids[1].metadata) {
+  for (const FrameMetadata& metadata : frame.grids[0].metadata) {
     if (metadata.name != "latvox_digest") continue;
     EXPECT_EQ(metadata.type, "string");
     EXPECT_EQ(metadata.value, "0123456789abcdef0123456789abcdef");
