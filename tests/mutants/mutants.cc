@@ -182,8 +182,8 @@ int StatusOfReader(const Reader& reader, const std::string& path, const std::str
   }
 }
 
-// Returns the promise that was broken, or nothing.
-std::string Try(const Reader& reader, const fs::path& path, const fs::path& outputs) {
+// Returns the status by waitpid of a process that reads the file; -1 if none could be started.
+int Run(const Reader& reader, const fs::path& path, const fs::path& outputs) {
   fs::remove_all(outputs);
   fs::create_directory(outputs);
   const pid_t child = fork();
@@ -195,7 +195,19 @@ std::string Try(const Reader& reader, const fs::path& path, const fs::path& outp
     _exit(StatusOfReader(reader, path, outputs / "out"));
   }
   int status = 0;
-  if (child < 0 || waitpid(child, &status, 0) != child) return "no process could be started";
+  return child >= 0 && waitpid(child, &status, 0) == child ? status : -1;
+}
+
+// A mutant of a file that nobody reads tells nothing.
+bool IsReadable(const fs::path& whole, const std::vector<Reader>& readers, const fs::path& outputs) {
+  return std::any_of(readers.begin(), readers.end(),
+                     [&](const Reader& reader) { return Run(reader, whole, outputs) == 0; });
+}
+
+// Returns the promise that was broken, or nothing.
+std::string Try(const Reader& reader, const fs::path& path, const fs::path& outputs) {
+  const int status = Run(reader, path, outputs);
+  if (status == -1) return "no process could be started";
   if (WIFSIGNALED(status)) return "ended with signal " + std::to_string(WTERMSIG(status));
   const int code = WEXITSTATUS(status);
   if (code != 0 && code != 3 && code != 5) return "exit status " + std::to_string(code);
@@ -211,6 +223,10 @@ int TryMutantsOf(const fs::path& whole, int count, uint64_t seed, const fs::path
   const auto start = std::chrono::steady_clock::now();
   double slowest = 0;
   int wrong = 0;
+  if (!IsReadable(whole, readers, outputs)) {
+    std::printf("%s: no reader accepts the whole file\n", whole.c_str());
+    ++wrong;
+  }
   for (int n = 0; n < count; ++n) {
     Write(path, Damage(seed + static_cast<uint64_t>(n)).Of(bytes));
     const auto began = std::chrono::steady_clock::now();

@@ -42,10 +42,15 @@ def write_wholes(folder):
     shutil.copy(ROOT / "tests" / "fuzz" / "corpus" / "mesh_fuzz" / "sparse.gltf", folder)
     job = {"mesh": "mesh.obj", "lattice": "bcc", "resolution": 16, "out": ["a.vdb", "a.csv"], "bounds": [0, 0, 0, 1, 1, 1]}
     (folder / "jobs.jsonl").write_text(json.dumps(job) + "\n" + json.dumps(job | {"id": "b"}) + "\n")
+    colored = folder.parent / "colored.obj"
+    colored.write_text("\n".join(f"{line} 1 0 0.5" if line.startswith("v ") else line for line in obj.read_text().splitlines()))
     outs = [word for kind in WRITTEN for word in ("-o", folder / f"voxels.{kind}")]
-    for options in (outs, ["--distance", "2", "-o", folder / "band.vdb"],
-                    ["--attributes", "part,color", "-o", folder / "parts.vdb"]):
-        done = latvox("voxelize", obj, *GRID, *options)
+    for source, options in (
+        (obj, outs),
+        (obj, ["--band", "2v", "-o", folder / "band.vdb"]),
+        (colored, ["--attributes", "part,color", "-o", folder / "parts.vdb"]),
+    ):
+        done = latvox("voxelize", source, *GRID, *options)
         if done.returncode != 0:
             raise RuntimeError(done.stderr)
 
