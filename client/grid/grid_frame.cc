@@ -129,7 +129,9 @@ class FrameReader {
     Seek(static_cast<uint64_t>(begin));
     Get<uint32_t>();  // compression
     grid.metadata = ReadMetadata();
-    GetText();  // the type of the transform, whose size is fixed by it
+    grid.transform = GetText();
+    // Else many grids could have the same metadata, and take memory for each.
+    if (at_ > static_cast<uint64_t>(blocks)) Fail("the metadata of its grid reach into the tree");
     Seek(static_cast<uint64_t>(end));
     return grid;
   }

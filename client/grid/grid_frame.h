@@ -28,6 +28,7 @@ struct FrameMetadata {
 };
 struct FrameGrid {
   std::string name, type;  // the name as OpenVDB writes it: with a suffix where two grids have the same
+  std::string transform;   // its type
   std::vector<FrameMetadata> metadata;
 };
 struct GridFrame {
@@ -39,6 +40,7 @@ struct GridFrame {
 //   - not a .vdb file, of another format version than this OpenVDB writes, written as a stream, or cut short
 //   - metadata of a type that files of latvox do not have
 //   - metadata with a value that their type does not have
+//   - metadata that reach into the tree of their grid, or beyond
 GridFrame ReadGridFrame(std::istream& in, uint64_t size);
 
 }  // namespace latvox::client

@@ -60,8 +60,12 @@ GridFileInfo Describe(const openvdb::GridBase& grid) {
   return info;
 }
 
+bool IsAffine(const openvdb::math::Transform& transform) {
+  return transform.isLinear() && IsFinite(FromTransform(transform));
+}
+
 absl::Status CheckTransform(const openvdb::GridBase& grid, const std::string& path) {
-  if (grid.transform().isLinear() && IsFinite(FromTransform(grid.transform()))) return absl::OkStatus();
+  if (IsAffine(grid.transform())) return absl::OkStatus();
   return absl::InvalidArgumentError(absl::StrCat(path, ": the grid's transform is not affine and finite"));
 }
 

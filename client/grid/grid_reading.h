@@ -59,7 +59,11 @@ absl::StatusOr<GridFile> ReadVoxels(GridArchive& archive, const std::string& pat
 // Looks at each leaf.
 GridFileInfo Describe(const openvdb::GridBase& grid);
 
-// Errors: INVALID_ARGUMENT, with the path: the transform is not affine, or has numbers that are not finite.
+// Returns whether the transform is affine, and all its numbers are finite. Throws exceptions of OpenVDB: it has no
+// inverse.
+bool IsAffine(const openvdb::math::Transform& transform);
+
+// Errors: INVALID_ARGUMENT, with the path: not IsAffine. Throws as it does.
 absl::Status CheckTransform(const openvdb::GridBase& grid, const std::string& path);
 
 // The most voxels in active tiles, which latvox does not write, but other programs make of full bricks. A few bytes of

@@ -14,6 +14,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "client/grid/grid_frame.h"
+#include "client/grid/grid_reading.h"
 #include "client/internal/printable.h"
 #include "latvox/grid/voxel_grid.h"
 
@@ -31,6 +32,9 @@ void CheckFrame(std::istream& in, uint64_t size) {
   const FrameGrid& grid = frame.grids.front();
   if (grid.type != openvdb::BoolGrid::gridType()) {
     throw std::runtime_error(absl::StrCat("its grid is a ", Printable(grid.type)));
+  }
+  if (grid.transform == openvdb::math::NonlinearFrustumMap::mapType()) {
+    throw std::runtime_error("its transform is not affine");
   }
   const auto is_complex = [](const FrameMetadata& metadata) { return metadata.type == kDelayedLoadType; };
   if (std::any_of(grid.metadata.begin(), grid.metadata.end(), is_complex)) {
@@ -88,6 +92,7 @@ void PartFile::ReadFrame() {
   Frame frame;
   frame.Read(file_);
   grid_ = frame.grid;
+  if (!IsAffine(grid_->transform())) throw std::runtime_error("its transform is not affine and finite");
   recorded_ = DigestIn(*grid_);
   leaves_begin_ = frame.descriptor.getBlockPos();
   const int64_t bytes = frame.descriptor.getEndPos() - leaves_begin_;

@@ -36,7 +36,7 @@ def write_wholes(folder):
     write_off(folder / "mesh.off", mesh)
     write_gltf(folder / "mesh.glb", mesh)
     encode_drc(folder / "mesh.drc", obj)
-    write_3mf(folder / "mesh.3mf", model(mesh_xml(mesh), '<item objectid="1"/>'))
+    write_3mf(folder / "mesh.3mf", model(f'<object id="1">{mesh_xml(mesh)}</object>', '<item objectid="1"/>'))
     for name in ("star.svg", "star.txt", "word.svg"):
         shutil.copy(ROOT / "tests" / "e2e" / "drawings" / name, folder)
     shutil.copy(ROOT / "tests" / "fuzz" / "corpus" / "mesh_fuzz" / "sparse.gltf", folder)

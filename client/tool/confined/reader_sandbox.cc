@@ -75,6 +75,8 @@ int AddRules(scmp_filter_ctx filter) {
   // locks
   allow(SCMP_SYS(futex), {});
   allow(SCMP_SYS(sched_yield), {});
+  // A thread of OpenVDB's library may still be starting. It would abort the process if these calls failed.
+  for (const int call : {SCMP_SYS(rseq), SCMP_SYS(set_robust_list), SCMP_SYS(rt_sigprocmask)}) allow(call, {});
   allow(SCMP_SYS(exit_group), {});
   return error;
 }

@@ -57,6 +57,7 @@ TEST(GridFrame, TellsNamesTypesAndMetadata) {
   EXPECT_EQ(frame.grids[1].name, "part");
   EXPECT_EQ(frame.grids[1].type, "Tree_int32_5_4_3");
   EXPECT_EQ(frame.grids[0].name, "voxels");
+  EXPECT_EQ(frame.grids[0].transform, "UniformScaleMap");
   int digests = 0;
   for (const FrameMetadata& metadata : frame.grids[0].metadata) {
     if (metadata.name != "latvox_digest") continue;
@@ -78,6 +79,13 @@ TEST(GridFrame, SaysWhatIsWrong) {
   EXPECT_THAT(Refusal(With(whole, std::string("\x04\0\0\0bool\x01\0\0\0", 12),
                            std::string("\x04\0\0\0bool\x01\0\0\0\x02", 13))),
               HasSubstr("neither true nor false"));
+}
+
+TEST(GridFrame, NoGridsShareMetadata) {
+  std::string bytes = Whole();
+  const size_t places = bytes.find("Tree_bool_5_4_3") + 15 + 4;  // of the grid, its blocks and its end
+  bytes.replace(places + 8, 8, bytes, places, 8);
+  EXPECT_THAT(Refusal(bytes), HasSubstr("the metadata of its grid reach into the tree"));
 }
 
 TEST(GridFrame, AnEndAnywhereIsAnError) {
