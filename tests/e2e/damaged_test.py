@@ -34,9 +34,9 @@ class Damaged(Case):
         self.assertEqual(len(done.stderr.splitlines()), 1, done.stderr)
         return done.stderr
 
-    def slow(self, *words):
+    def slow(self, *words, **options):
         """Starts a command that reads for a second, and stops its reader as soon as that is confined. Returns both."""
-        process = subprocess.Popen([BIN / "latvox", *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        process = subprocess.Popen([BIN / "latvox", *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **options)
         deadline = time.monotonic() + harness.PATIENCE
         while time.monotonic() < deadline:
             for reader in offspring(process.pid):
@@ -88,6 +88,15 @@ class Damaged(Case):
         self.assertIn("no such file", self.refused("info", self.dir / "none.vdb"))
         (self.dir / "folder.vdb").mkdir()
         self.assertIn("Is a directory", self.refused("info", self.dir / "folder.vdb"))
+
+    @unittest.skipUnless(os.geteuid() == 0, "only root sees the environment of a confined process")
+    def test_the_reader_learns_no_secrets(self):
+        secrets = {"LD_LIBRARY_PATH": str(self.dir), "LATVOX_TOKEN": "secret", "HOME": "/home/somebody"}
+        process, reader = self.slow("info", self.claims(0x70000000), env=secrets)
+        environment = pathlib.Path(f"/proc/{reader}/environ").read_bytes()
+        process.kill()
+        process.communicate()
+        self.assertEqual(environment, f"LD_LIBRARY_PATH={self.dir}\0".encode())
 
     def test_nobody_survives_kill(self):
         process, _ = self.slow("info", self.claims(0x70000000))

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <csignal>
+#include <cstdlib>
 #include <cstring>
 #include <vector>
 
@@ -70,9 +71,13 @@ int Spawn(std::vector<std::string> words, int file, int channel, pid_t& pid) {
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
-  char* no_environment[] = {nullptr};
+  // The loader must find the same libraries. Nothing else of the environment, such as a token, goes to the reader.
+  constexpr char kLibraries[] = "LD_LIBRARY_PATH";
+  const char* const folders = std::getenv(kLibraries);
+  std::string libraries = absl::StrCat(kLibraries, "=", folders != nullptr ? folders : "");
+  char* environment[] = {folders != nullptr ? libraries.data() : nullptr, nullptr};
   SpawnSetting setting(file, channel);
-  return posix_spawn(&pid, "/proc/self/exe", &setting.files, &setting.attributes, arguments.data(), no_environment);
+  return posix_spawn(&pid, "/proc/self/exe", &setting.files, &setting.attributes, arguments.data(), environment);
 }
 
 absl::Status CannotOpen(const std::string& path, int error) {
