@@ -6,6 +6,7 @@
 #   prose      the English of pages and comments
 #   node       an independent client, from the protocol file alone
 #   e2e        command line tool, files, failures
+#   mutants    damaged files of every format
 #   faults     overload, rudeness and sudden death: figures in a table; see tests/README.md
 #   readme     the examples of README.md, client/docs and server/docs
 #   deploy     containers, Kubernetes, Slurm: only by `tests/run --deploy`, except tests that take a moment
@@ -38,6 +39,7 @@ if(NOT latvox_sanitized)
   latvox_add_system_test(e2e.box "${latvox_python};e2e/box_test.py")
   latvox_add_system_test(e2e.config "${latvox_python};e2e/config_test.py")
   latvox_add_system_test(e2e.counts "${latvox_python};e2e/counts_test.py" LABELS slow)
+  latvox_add_system_test(e2e.damaged "${latvox_python};e2e/damaged_test.py")
   latvox_add_system_test(e2e.difference "${latvox_python};e2e/difference_test.py")
   latvox_add_system_test(e2e.digest "${latvox_python};e2e/digest_test.py")
   latvox_add_system_test(e2e.docs "${latvox_python};e2e/docs_test.py")
@@ -74,6 +76,7 @@ if(NOT latvox_sanitized)
   latvox_add_system_test(e2e.values "${latvox_python};e2e/values_test.py")
   latvox_add_system_test(e2e.warnings "${latvox_python};e2e/warnings_test.py")
   latvox_add_system_test(e2e.view "${latvox_python};e2e/view_test.py")
+  latvox_add_system_test(mutants "${latvox_python};mutants/mutants_test.py" LABELS slow TIMEOUT 100000)
   latvox_add_system_test(node.view "node;--test;node/view.test.js")
   # They need both cores for themselves, because their figures assume an otherwise idle machine.
   latvox_add_system_test(faults.prepare "${latvox_python};faults/prepare.py" FIXTURES_SETUP faults RUN_SERIAL ON)

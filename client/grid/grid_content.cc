@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "client/grid/grid_reading.h"
+#include "client/grid/grid_stream.h"
 #include "client/grid/openvdb_trees.h"
 #include "client/grid/tree_nodes.h"
 #include "client/internal/printable.h"
@@ -100,17 +101,17 @@ absl::Status ReadNumbers(openvdb::GridBase& base, const std::string& path, size_
   return good ? absl::OkStatus() : wrong("has values that are no colors from 0 to 1");
 }
 
-absl::StatusOr<GridContent> ReadSet(openvdb::io::File& file, const std::string& path, bool values) {
-  auto set = ReadGridFile(path);
+absl::StatusOr<GridContent> ReadSet(GridArchive& archive, const std::string& path, bool values) {
+  auto set = ReadVoxels(archive, path);
   if (!set.ok()) return set.status();
   GridContent content{*std::move(set)};
   if (!values || content.file.info.name != "voxels") return content;
   for (const Attribute attribute : kAttributes) {
-    if (file.hasGrid(NameOf(attribute))) content.attributes.push_back(attribute);
+    if (archive.HasGrid(NameOf(attribute))) content.attributes.push_back(attribute);
   }
   content.numbers.resize(content.file.info.active_voxels * content.attributes.size());
   for (size_t n = 0; n < content.attributes.size(); ++n) {
-    const openvdb::GridBase::Ptr grid = file.readGrid(NameOf(content.attributes[n]));
+    const openvdb::GridBase::Ptr grid = archive.ReadGrid(NameOf(content.attributes[n]));
     const absl::Status status = content.attributes[n] == Attribute::kColor
                                     ? ReadNumbers<openvdb::Vec3SGrid>(*grid, path, n, content)
                                     : ReadNumbers<openvdb::Int32Grid>(*grid, path, n, content);
@@ -121,15 +122,20 @@ absl::StatusOr<GridContent> ReadSet(openvdb::io::File& file, const std::string& 
 
 }  // namespace
 
-absl::StatusOr<GridContent> ReadGridContent(const std::string& path, bool values) {
-  return WithFile(path, [&](openvdb::io::File& file) -> absl::StatusOr<GridContent> {
-    const auto name = file.beginName();
-    if (name != file.endName() && *name == "distance" && !file.hasGrid("voxels")) {
-      const auto grid = openvdb::gridPtrCast<openvdb::FloatGrid>(file.readGrid(*name));
+absl::StatusOr<GridContent> ReadGridContent(std::istream& in, const std::string& path, bool values) {
+  return WithArchive(in, path, [&](GridArchive& archive) -> absl::StatusOr<GridContent> {
+    if (!archive.empty() && archive.FirstName() == "distance" && !archive.HasGrid("voxels")) {
+      const auto grid = openvdb::gridPtrCast<openvdb::FloatGrid>(archive.ReadGrid("distance"));
       if (grid) return ReadBand(*grid, path, values);
     }
-    return ReadSet(file, path, values);
+    return ReadSet(archive, path, values);
   });
+}
+
+absl::StatusOr<GridContent> ReadGridContent(const std::string& path, bool values) {
+  auto file = OpenGridFile(path);
+  if (!file.ok()) return file.status();
+  return ReadGridContent(*file, path, values);
 }
 
 }  // namespace latvox::client

@@ -5,40 +5,65 @@
 #include <algorithm>
 #include <cstdint>
 #include <exception>
-#include <filesystem>
+#include <fstream>
+#include <istream>
 #include <new>
 #include <string>
-#include <system_error>
 #include <utility>
 #include <vector>
 
 #include "absl/status/status.h"
+#include "absl/status/statusor.h"
 #include "absl/strings/str_cat.h"
+#include "client/grid/grid_archive.h"
 #include "client/grid/openvdb_trees.h"
+#include "client/internal/printable.h"
 #include "latvox/grid/voxel_grid.h"
 
 namespace latvox::client {
 
-// Returns the result of read(file) for the file, opened without its voxels. Errors: NOT_FOUND; INVALID_ARGUMENT (an
-// exception of OpenVDB), with the path; RESOURCE_EXHAUSTED: memory.
+// Returns the result of read(archive) for the file's bytes. Errors: INVALID_ARGUMENT (an exception of OpenVDB, or the
+// end of the bytes), with the path; RESOURCE_EXHAUSTED: memory.
 template <class Read>
-auto WithFile(const std::string& path, const Read& read) -> decltype(read(std::declval<openvdb::io::File&>())) try {
-  std::error_code error;
-  if (!std::filesystem::exists(path, error)) return absl::NotFoundError(absl::StrCat(path, ": no such file"));
-  openvdb::initialize();
-  openvdb::io::File file(path);
-  file.open(/*delayLoad=*/false);
-  return read(file);
-} catch (const std::bad_alloc&) {
-  return absl::ResourceExhaustedError(absl::StrCat(path, ": is larger than the memory at hand"));
-} catch (const std::exception& error) {
-  return absl::InvalidArgumentError(absl::StrCat(path, ": is not a readable .vdb file (", error.what(), ")"));
+auto WithArchive(std::istream& in, const std::string& path, const Read& read)
+    -> decltype(read(std::declval<GridArchive&>())) {
+  std::string why;
+  try {
+    openvdb::initialize();
+    GridArchive archive(in);
+    return read(archive);
+  } catch (const std::bad_alloc&) {
+    return absl::ResourceExhaustedError(absl::StrCat(path, ": is larger than the memory at hand"));
+  } catch (const std::ios_base::failure&) {
+    why = "it is cut short";
+  } catch (const std::exception& error) {
+    why = Printable(error.what());
+  }
+  return absl::InvalidArgumentError(absl::StrCat(path, ": is not a readable .vdb file (", why, ")"));
 }
+
+// Opens a regular file. Errors: NOT_FOUND; INVALID_ARGUMENT, with the path.
+absl::StatusOr<std::ifstream> OpenGridFile(const std::string& path);
+
+// Calls WithArchive for the file.
+template <class Read>
+auto WithFile(const std::string& path, const Read& read) -> decltype(read(std::declval<GridArchive&>())) {
+  auto file = OpenGridFile(path);
+  if (!file.ok()) return file.status();
+  return WithArchive(*file, path, read);
+}
+
+// Reads the voxels of the grid "voxels", or else of the first grid. Errors as in ReadGridFile.
+absl::StatusOr<GridFile> ReadVoxels(GridArchive& archive, const std::string& path);
 
 // Looks at each leaf.
 GridFileInfo Describe(const openvdb::GridBase& grid);
 
-// Errors: INVALID_ARGUMENT, with the path: the transform is not affine, or has numbers that are not finite.
+// Returns whether the transform is affine, and all its numbers are finite. Throws exceptions of OpenVDB: it has no
+// inverse.
+bool IsAffine(const openvdb::math::Transform& transform);
+
+// Errors: INVALID_ARGUMENT, with the path: not IsAffine. Throws as it does.
 absl::Status CheckTransform(const openvdb::GridBase& grid, const std::string& path);
 
 // The most voxels in active tiles, which latvox does not write, but other programs make of full bricks. A few bytes of

@@ -79,10 +79,13 @@ class NanoReader {
   // Reads our lines "name = value". Other programs' blind data have none.
   void ReadText(uint64_t begin, const nanovdb::GridData& grid, GridFileInfo& info) {
     nanovdb::GridBlindMetaData blind;
-    file_.seekg(static_cast<std::streamoff>(begin) + grid.mBlindMetadataOffset);
-    const std::streamoff at = file_.tellg();
+    const auto is_within = [this](int64_t offset) { return offset >= 0 && static_cast<uint64_t>(offset) <= size_; };
+    if (!is_within(grid.mBlindMetadataOffset)) return;
+    const std::streamoff at = static_cast<std::streamoff>(begin) + grid.mBlindMetadataOffset;
+    file_.seekg(at);
     if (!Get(blind) || blind.mElementCount > kMostText || strncmp(blind.mName, "latvox", sizeof(blind.mName)) != 0)
       return;
+    if (!is_within(blind.mByteOffset)) return;
     std::string text(blind.mElementCount, '\0');
     file_.seekg(at + blind.mByteOffset);
     if (!file_.read(text.data(), static_cast<std::streamsize>(text.size()))) return;

@@ -3,6 +3,7 @@
 #include <openvdb/io/Archive.h>
 #include <openvdb/io/GridDescriptor.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <exception>
@@ -12,6 +13,9 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "client/grid/grid_frame.h"
+#include "client/grid/grid_reading.h"
+#include "client/internal/printable.h"
 #include "latvox/grid/voxel_grid.h"
 
 namespace latvox::client {
@@ -19,27 +23,39 @@ namespace {
 
 constexpr int64_t kLeafBytes = 140;
 
-// The places of the grid's sections, which io::File reads when it opens a file, and does not show.
+// Refuses what OpenVDB's own reader of metadata does not check.
+void CheckFrame(std::istream& in, uint64_t size) {
+  const GridFrame frame = ReadGridFrame(in, size);
+  if (frame.grids.size() != 1) {
+    throw std::runtime_error(absl::StrCat("it holds ", frame.grids.size(), " grids, not 1: attributes are not joined"));
+  }
+  const FrameGrid& grid = frame.grids.front();
+  if (grid.type != openvdb::BoolGrid::gridType()) {
+    throw std::runtime_error(absl::StrCat("its grid is a ", Printable(grid.type)));
+  }
+  if (grid.transform == openvdb::math::NonlinearFrustumMap::mapType()) {
+    throw std::runtime_error("its transform is not affine");
+  }
+  const auto is_complex = [](const FrameMetadata& metadata) { return metadata.type == kDelayedLoadType; };
+  if (std::any_of(grid.metadata.begin(), grid.metadata.end(), is_complex)) {
+    throw std::runtime_error(absl::StrCat("it has metadata of type ", kDelayedLoadType));
+  }
+}
+
+// The places of the grid's sections, which io::File reads when it opens a file, and does not show. Precondition:
+// CheckFrame.
 struct Frame : openvdb::io::Archive {
   openvdb::io::GridDescriptor descriptor;
   openvdb::GridBase::Ptr grid;
 
   void Read(std::istream& in) {
+    in.seekg(0);
     readHeader(in);
-    if (fileVersion() != openvdb::OPENVDB_FILE_VERSION) {
-      throw std::runtime_error(absl::StrCat("its format is ", fileVersion(), ", not ", openvdb::OPENVDB_FILE_VERSION));
-    }
-    if (!inputHasGridOffsets()) throw std::runtime_error("it was written as a stream");
     setFormatVersion(in);
     setLibraryVersion(in);
     openvdb::MetaMap().readMeta(in);
-    if (const int32_t grids = readGridCount(in); grids != 1) {
-      throw std::runtime_error(absl::StrCat("it holds ", grids, " grids, not 1: attributes are not joined"));
-    }
+    readGridCount(in);
     grid = descriptor.read(in);
-    if (grid->type() != openvdb::BoolGrid::gridType()) {
-      throw std::runtime_error(absl::StrCat("its grid is a ", grid->type()));
-    }
     descriptor.seekToGrid(in);
     readGridCompression(in);
     grid->readMeta(in);
@@ -72,15 +88,15 @@ absl::Status PartFile::OpenStream() {
 
 void PartFile::ReadFrame() {
   file_.exceptions(std::ios::failbit | std::ios::badbit | std::ios::eofbit);
+  CheckFrame(file_, std::filesystem::file_size(path_));
   Frame frame;
   frame.Read(file_);
   grid_ = frame.grid;
+  if (!IsAffine(grid_->transform())) throw std::runtime_error("its transform is not affine and finite");
   recorded_ = DigestIn(*grid_);
-  const int64_t size = static_cast<int64_t>(std::filesystem::file_size(path_));
   leaves_begin_ = frame.descriptor.getBlockPos();
-  const int64_t end = frame.descriptor.getEndPos(), bytes = end - leaves_begin_;
-  if (end > size) throw std::runtime_error(absl::StrCat("it is cut short: ", size, " bytes of ", end));
-  if (leaves_begin_ <= 0 || bytes < 0 || bytes % kLeafBytes != 0) {
+  const int64_t bytes = frame.descriptor.getEndPos() - leaves_begin_;
+  if (bytes % kLeafBytes != 0) {
     throw std::runtime_error("its grid does not lie within it");
   }
   leaves_ = static_cast<uint64_t>(bytes / kLeafBytes);

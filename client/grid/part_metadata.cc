@@ -61,9 +61,6 @@ std::string Show(const openvdb::math::Transform& transform) {
 }
 
 absl::Status CheckSameTransform(const PartFile& part, const PartFile& first) {
-  if (!part.transform()->isLinear()) {
-    return absl::InvalidArgumentError(absl::StrCat(part.path(), ": the grid's transform is not affine"));
-  }
   const std::string value = Show(*part.transform()), first_value = Show(*first.transform());
   return value == first_value ? absl::OkStatus() : Differ(part, "the transform", value, first, first_value);
 }

@@ -3,14 +3,17 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <filesystem>
 #include <new>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "client/grid/grid_file.h"
+#include "client/grid/grid_frame.h"
 #include "client/grid/grid_metadata.h"
 #include "client/grid/grid_reading.h"
+#include "client/grid/grid_stream.h"
 #include "client/grid/nano_file.h"
 #include "client/grid/request_metadata.h"
 #include "client/grid/tree_nodes.h"
@@ -35,6 +38,16 @@ absl::StatusOr<GridFile> Content(const openvdb::GridBase::Ptr& first, const std:
   file.bricks.reserve(leaves->size());
   for (const Leaf* leaf : *leaves) file.bricks.push_back(ToBrick(*leaf));
   return file;
+}
+
+absl::Status NoGrid(const std::string& path) {
+  return absl::InvalidArgumentError(absl::StrCat(path, ": holds no grid"));
+}
+
+// Returns the name of the grid that is read. Other grids may stand before it, because of their names.
+absl::StatusOr<std::string> SetName(const GridArchive& archive, const std::string& path) {
+  if (archive.empty()) return NoGrid(path);
+  return archive.HasGrid("voxels") ? "voxels" : archive.FirstName();
 }
 
 }  // namespace
@@ -89,36 +102,47 @@ absl::Status VoxelGrid::Write(const std::string& path) const { return WriteGridF
 
 absl::Status VoxelGrid::WriteNano(const std::string& path) const { return WriteNanoFile(*content_->grid, path); }
 
-absl::StatusOr<GridFileInfo> ReadGridFileInfo(const std::string& path) {
-  return WithFile(path, [&](openvdb::io::File& file) -> absl::StatusOr<GridFileInfo> {
-    const openvdb::GridPtrVecPtr grids = file.getGrids();
-    if (!grids || grids->empty()) return absl::InvalidArgumentError(absl::StrCat(path, ": holds no grid"));
-    // Other grids may stand before it, because of their names.
-    const auto is_set = [](const openvdb::GridBase::Ptr& grid) { return grid->getName() == "voxels"; };
-    const auto set = std::find_if(grids->begin(), grids->end(), is_set);
-    const openvdb::GridBase& grid = set == grids->end() ? *grids->front() : **set;
-    if (!grid.transform().isLinear()) {
+absl::StatusOr<GridFileInfo> ReadGridFileInfo(std::istream& in, const std::string& path) {
+  return WithArchive(in, path, [&](GridArchive& archive) -> absl::StatusOr<GridFileInfo> {
+    const auto name = SetName(archive, path);
+    if (!name.ok()) return name.status();
+    const openvdb::GridBase::Ptr grid = archive.ReadGrid(*name);
+    if (!grid->transform().isLinear()) {
       return absl::InvalidArgumentError(absl::StrCat(path, ": the grid's transform is not affine"));
     }
-    return Describe(grid);
+    return Describe(*grid);
   });
+}
+
+absl::StatusOr<GridFileInfo> ReadGridFileInfo(const std::string& path) {
+  auto file = OpenGridFile(path);
+  if (!file.ok()) return file.status();
+  return ReadGridFileInfo(*file, path);
+}
+
+absl::StatusOr<GridFile> ReadVoxels(GridArchive& archive, const std::string& path) {
+  const auto name = SetName(archive, path);
+  if (!name.ok()) return name.status();
+  return Content(archive.ReadGrid(*name), path);
 }
 
 absl::StatusOr<GridFile> ReadGridFile(const std::string& path) {
-  return WithFile(path, [&](openvdb::io::File& file) -> absl::StatusOr<GridFile> {
-    const auto name = file.beginName();
-    if (name == file.endName()) return absl::InvalidArgumentError(absl::StrCat(path, ": holds no grid"));
-    return Content(file.readGrid(file.hasGrid("voxels") ? "voxels" : *name), path);
-  });
+  return WithFile(path, [&](GridArchive& archive) { return ReadVoxels(archive, path); });
 }
 
 absl::StatusOr<std::string> ReadGridFileDigest(const std::string& path) {
-  return WithFile(path, [&](openvdb::io::File& file) -> absl::StatusOr<std::string> {
-    const openvdb::GridPtrVecPtr grids = file.readAllGridMetadata();
-    if (!grids || grids->empty()) return absl::InvalidArgumentError(absl::StrCat(path, ": holds no grid"));
-    const openvdb::Metadata::Ptr digest = (*grids->front())["latvox_digest"];
-    return digest ? digest->str() : "";
-  });
+  auto file = OpenGridFile(path);
+  if (!file.ok()) return file.status();
+  try {
+    const GridFrame frame = ReadGridFrame(*file, std::filesystem::file_size(path));
+    if (frame.grids.empty()) return NoGrid(path);
+    for (const FrameMetadata& metadata : frame.grids.front().metadata) {
+      if (metadata.name == "latvox_digest" && metadata.type == "string") return metadata.value;
+    }
+    return "";
+  } catch (const std::exception& error) {
+    return absl::InvalidArgumentError(absl::StrCat(path, ": is not a readable .vdb file (", error.what(), ")"));
+  }
 }
 
 }  // namespace latvox::client

@@ -32,6 +32,7 @@ latvox_add_test(client_picture_style_test SOURCES unit/client/tool/output/pictur
                 LIBRARIES latvox::tool GTest::gmock)
 latvox_add_test(client_scene_test SOURCES unit/client/tool/output/scene_test.cc LIBRARIES latvox::tool GTest::gmock)
 latvox_add_test(client_grid_test SOURCES unit/client/grid/grid_test.cc LIBRARIES latvox::grid latvox::openvdb_trees GTest::gmock)
+latvox_add_test(client_grid_frame_test SOURCES unit/client/grid/grid_frame_test.cc LIBRARIES latvox::grid GTest::gmock)
 foreach(name merge_test merge_errors_test)
   latvox_add_test(client_${name} SOURCES unit/client/grid/${name}.cc
                   LIBRARIES latvox::grid latvox::openvdb_trees GTest::gmock)
@@ -47,6 +48,8 @@ latvox_add_test(client_retry_test SOURCES unit/client/internal/retry_test.cc
                 LIBRARIES latvox::client latvox_model_server GTest::gmock)
 latvox_add_test(client_stream_test SOURCES unit/client/internal/stream_test.cc
                 LIBRARIES latvox::client latvox_model_server GTest::gmock)
+latvox_add_test(client_content_wire_test SOURCES unit/client/tool/confined/content_wire_test.cc
+                LIBRARIES latvox::tool GTest::gmock)
 latvox_add_test(client_options_test SOURCES unit/client/tool/cli/options_test.cc LIBRARIES latvox::tool GTest::gmock)
 latvox_add_test(client_tool_test SOURCES unit/client/tool/cli/tool_test.cc LIBRARIES latvox::tool GTest::gmock)
 latvox_add_test(client_job_test SOURCES unit/client/tool/cli/job_test.cc LIBRARIES latvox::tool GTest::gmock)

@@ -107,7 +107,7 @@ void BatchRun::Do(JobParser& parser, const JobLine& line, JobResult& result) {
   result.mesh = job->mesh;
   result.outputs = job->names;
   result.error = CheckPlaces(*job);
-  if (result.error.ok()) result.error = Align(job->options);
+  if (result.error.ok()) result.error = Align(job->options, cancellation_);
   if (!result.error.ok()) return;
   RemoveAbandoned(job->options.outputs);
   // Computed before the mesh is read for sending: if the mesh changes in between, the next run repeats the job.

@@ -6,6 +6,7 @@
 #include "absl/strings/str_join.h"
 #include "client/tool/cli/info_json.h"
 #include "client/tool/cli/report.h"
+#include "client/tool/confined/foreign_grid.h"
 #include "client/tool/inspect/file_facts.h"
 #include "latvox/grid/voxel_grid.h"
 
@@ -40,7 +41,7 @@ std::string ToText(const GridFileInfo& info) {
 
 absl::StatusOr<std::string> RunInfo(const std::string& path, bool json) {
   if (absl::EndsWithIgnoreCase(path, ".vdb") || absl::EndsWithIgnoreCase(path, ".nvdb")) {
-    const auto info = absl::EndsWithIgnoreCase(path, ".nvdb") ? ReadNanoFileInfo(path) : ReadGridFileInfo(path);
+    const auto info = absl::EndsWithIgnoreCase(path, ".nvdb") ? ReadNanoFileInfo(path) : ReadForeignInfo(path);
     if (!info.ok()) return info.status();
     return json ? ToJson(*info) + "\n" : ToText(*info);
   }

@@ -11,6 +11,7 @@
 #include "client/tool/cli/difference_output.h"
 #include "client/tool/cli/value_difference.h"
 #include "client/tool/cli/voxel_difference.h"
+#include "client/tool/confined/foreign_grid.h"
 #include "latvox/grid/grid_content.h"
 
 namespace latvox::client {
@@ -140,9 +141,9 @@ void Check(const CompareWords& words) {
 }
 
 absl::StatusOr<Comparison> RunCompare(const CompareWords& words, const Cancellation& cancellation) {
-  const auto a = ReadGridContent(words.a, !words.voxels_only);
+  const auto a = ReadForeignContent(words.a, !words.voxels_only, cancellation);
   if (!a.ok()) return a.status();
-  const auto b = ReadGridContent(words.b, !words.voxels_only);
+  const auto b = ReadForeignContent(words.b, !words.voxels_only, cancellation);
   if (!b.ok()) return b.status();
   if (a->band.has_value() != b->band.has_value() && !words.voxels_only) {
     return absl::InvalidArgumentError(absl::StrCat(a->band ? words.a : words.b, " is a band of distances, ",

@@ -28,6 +28,7 @@
 #include "client/tool/cli/terminal.h"
 #include "client/tool/cli/view_command.h"
 #include "client/tool/cli/voxelize_command.h"
+#include "client/tool/confined/reader_main.h"
 #include "client/tool/output/standard_output.h"
 #include "deploy/manual/command_parser.h"
 #include "deploy/manual/completions.h"
@@ -276,6 +277,10 @@ ExitStatus Main(int argc, char** argv) {
 const latvox::OrderlyEnd latvox::kOrderlyEnd = {"latvox", static_cast<int>(latvox::client::ExitStatus::kRefused)};
 
 int main(int argc, char** argv) {
+  if (latvox::client::IsReader(argc, argv)) {
+    latvox::EndAsUsual();
+    latvox::client::ReadForParent(argv);
+  }
   const int status = static_cast<int>(latvox::client::Main(argc, argv));
   if (latvox::client::AnyAbandoned()) _exit(status);
   return status;

@@ -9,6 +9,7 @@
 #include "client/tool/cli/color_by_option.h"
 #include "client/tool/cli/common_options.h"
 #include "client/tool/cli/picture_style_option.h"
+#include "client/tool/confined/foreign_grid.h"
 #include "client/tool/output/atomic_file.h"
 #include "client/tool/output/picture_scene.h"
 #include "latvox/grid/grid_content.h"
@@ -69,7 +70,7 @@ PictureOptions Interpret(const RenderWords& words) {
 absl::StatusOr<std::string> RunRender(const RenderWords& words, const PictureOptions& given) {
   const absl::Time start = absl::Now();
   const std::string& output = words.outputs.front();
-  const auto content = ReadGridContent(words.input);
+  const auto content = ReadForeignContent(words.input, /*values=*/true, given.cancellation);
   if (!content.ok()) return content.status();
   const bool plain = content->band.has_value() || !words.color.empty();
   const ColorBy by = plain && words.color_by.empty() ? ColorBy::kNone : ColorByOf(words.color_by, false, *content);

@@ -14,6 +14,7 @@
 #include "client/internal/vec3.h"
 #include "client/tool/cli/color_by_option.h"
 #include "client/tool/cli/common_options.h"
+#include "client/tool/confined/foreign_grid.h"
 #include "client/tool/output/atomic_file.h"
 #include "client/tool/output/cell_index.h"
 #include "client/tool/output/output.h"
@@ -180,7 +181,7 @@ Layer LayerOf(const GridTransform& grid, size_t axis, int32_t index) {
 }
 
 absl::StatusOr<std::string> RunSlice(const SliceWords& words, const Cancellation& cancellation) {
-  const auto content = ReadGridContent(words.input);
+  const auto content = ReadForeignContent(words.input, /*values=*/true, cancellation);
   if (!content.ok()) return content.status();
   const auto place = CutOf(words, content->file.info);
   if (!place.ok()) return place.status();

@@ -6,6 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "client/json/json.h"
 #include "client/tool/cli/common_options.h"
+#include "client/tool/confined/foreign_grid.h"
 #include "client/tool/output/atomic_file.h"
 #include "client/tool/view/page.h"
 #include "latvox/grid/grid_content.h"
@@ -43,7 +44,7 @@ void Check(const ViewWords& words) {
 
 absl::StatusOr<std::string> RunView(const ViewWords& words, const Cancellation& cancellation) {
   const std::string& output = words.outputs.front();
-  const auto content = ReadGridContent(words.input);
+  const auto content = ReadForeignContent(words.input, /*values=*/true, cancellation);
   if (!content.ok()) return content.status();
   const GridFileInfo& info = content->file.info;
   const UpAxis up = words.view_up.empty() ? UpOf(info) : ValueNamed(UpNames(), words.view_up);

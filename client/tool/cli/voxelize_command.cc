@@ -13,6 +13,7 @@
 #include "client/tool/cli/mesh_upload.h"
 #include "client/tool/cli/progress_bar.h"
 #include "client/tool/cli/warnings.h"
+#include "client/tool/confined/foreign_grid.h"
 #include "client/tool/output/output.h"
 #include "client/tool/output/standard_output.h"
 #include "latvox/error.h"
@@ -94,9 +95,9 @@ absl::Status Call(const VoxelizeOptions& options, const MeshUpload& upload, cons
 
 }  // namespace
 
-absl::Status Align(VoxelizeOptions& options) {
+absl::Status Align(VoxelizeOptions& options, const Cancellation& cancellation) {
   if (options.align.empty()) return absl::OkStatus();
-  const auto info = ReadGridFileInfo(options.align);
+  const auto info = ReadForeignInfo(options.align, cancellation);
   if (!info.ok()) return absl::Status(info.status().code(), absl::StrCat("align: ", info.status().message()));
   options.request.lattice = info->transform.basis;
   options.request.origin = info->transform.origin;
@@ -156,7 +157,7 @@ absl::StatusOr<VoxelizeReport> RunToStandardOutput(VoxelizeOptions options, cons
 
 absl::StatusOr<VoxelizeReport> RunVoxelize(const VoxelizeOptions& given, const Cancellation& cancellation) {
   VoxelizeOptions options = given;
-  if (absl::Status status = Align(options); !status.ok()) return status;
+  if (absl::Status status = Align(options, cancellation); !status.ok()) return status;
   const CallOptions call = MakeCallOptions(options.server, cancellation);
   std::optional<Session> session;
   ProgressBar bar;

@@ -19,7 +19,7 @@ namespace latvox::client {
 
 // Takes lattice and origin from the file of --align, if one is given. Errors: those of reading it, with the field
 // before the path.
-absl::Status Align(VoxelizeOptions& options);
+absl::Status Align(VoxelizeOptions& options, const Cancellation& cancellation);
 
 // Calls of a job to the command that runs it, on the thread of the job.
 struct JobHooks {

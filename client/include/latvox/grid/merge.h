@@ -33,6 +33,8 @@ struct MergedGrid {
 // `progress`, if any, gets the share of the work done, 0 to 1, and the number of bricks written so far, from time to
 // time.
 //
+// Damaged parts are errors: all lengths are checked.
+//
 // Errors:
 //   NOT_FOUND            there is no such file; the message names it
 //   INVALID_ARGUMENT     with the file: it is not a whole file of latvox, or is given twice, or does not belong to one

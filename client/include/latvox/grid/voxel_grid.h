@@ -71,6 +71,10 @@ class LATVOX_EXPORT VoxelGrid {
   std::unique_ptr<Content> content_;
 };
 
+// Functions that read a .vdb file's voxels do so in the calling process, by OpenVDB. It trusts the file: a damaged one
+// can crash the process, or take all its memory, before there is an error. `latvox` reads files in a process of their
+// own.
+
 // Facts about a .vdb file: about its grid "voxels", or else its first grid.
 struct GridFileInfo {
   std::string name;                                           // of the grid
@@ -101,7 +105,9 @@ struct GridFile {
 // voxels; a transform with numbers that are not finite.
 LATVOX_EXPORT absl::StatusOr<GridFile> ReadGridFile(const std::string& path);
 
-// Returns the metadata latvox_digest of a .vdb file's first grid, or an empty text. Reads no voxel. Errors: as above.
+// Returns the metadata latvox_digest of a .vdb file's first grid, or an empty text. Reads no voxel, and is safe with
+// damaged files. Errors: NOT_FOUND; INVALID_ARGUMENT, with the path: not a readable .vdb file, of another format
+// version than this OpenVDB writes, or no grid.
 LATVOX_EXPORT absl::StatusOr<std::string> ReadGridFileDigest(const std::string& path);
 
 }  // namespace latvox::client

@@ -1,0 +1,33 @@
+#include "client/tool/confined/foreign_grid.h"
+
+#include <utility>
+
+#include "client/tool/confined/content_wire.h"
+#include "client/tool/confined/reader_main.h"
+#include "client/tool/confined/reader_process.h"
+
+namespace latvox::client {
+namespace {
+
+absl::StatusOr<GridContent> Read(const std::string& path, const char* what, const Cancellation& cancellation) {
+  const auto process = ReaderProcess::Start(path, what, cancellation);
+  if (!process.ok()) return process.status();
+  auto content =
+      ReceiveContent(what == kReadInfo, [&process](void* to, size_t bytes) { return (*process)->Receive(to, bytes); });
+  if (content.status().code() == absl::StatusCode::kDataLoss) return (*process)->Blame();
+  return content;
+}
+
+}  // namespace
+
+absl::StatusOr<GridFileInfo> ReadForeignInfo(const std::string& path, const Cancellation& cancellation) {
+  auto content = Read(path, kReadInfo, cancellation);
+  if (!content.ok()) return content.status();
+  return std::move(content->file.info);
+}
+
+absl::StatusOr<GridContent> ReadForeignContent(const std::string& path, bool values, const Cancellation& cancellation) {
+  return Read(path, values ? kReadContent : kReadVoxels, cancellation);
+}
+
+}  // namespace latvox::client

@@ -1,0 +1,92 @@
+#include "client/tool/confined/reader_main.h"
+
+#include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <ext/stdio_filebuf.h>
+#include <istream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/numbers.h"
+#include "client/grid/grid_stream.h"
+#include "client/tool/confined/content_wire.h"
+#include "client/tool/confined/reader_process.h"
+#include "client/tool/confined/reader_sandbox.h"
+#include "deploy/process/exhaustion.h"
+
+namespace latvox::client {
+namespace {
+
+constexpr size_t kBufferBytes = size_t{1} << 16;
+constexpr int kArguments = 7;  // program, kReaderArgument, parent, memory, seconds, what, path
+
+// There is nobody left to tell.
+[[noreturn]] void GiveUp() { _exit(kReaderFailed); }
+
+// Collects small pieces, because each write is a system call.
+class Channel {
+ public:
+  void Send(const void* from, size_t bytes) {
+    const char* at = static_cast<const char*>(from);
+    if (buffer_.size() + bytes > kBufferBytes) Flush();
+    if (bytes > kBufferBytes) return Write(at, bytes);
+    buffer_.append(at, bytes);
+  }
+  void Flush() {
+    Write(buffer_.data(), buffer_.size());
+    buffer_.clear();
+  }
+
+ private:
+  static void Write(const char* at, size_t bytes) {
+    while (bytes > 0) {
+      const ssize_t sent = write(kReaderChannel, at, bytes);
+      if (sent < 0 && errno != EINTR) GiveUp();
+      if (sent < 0) continue;
+      at += sent;
+      bytes -= static_cast<size_t>(sent);
+    }
+  }
+
+  std::string buffer_;
+};
+
+absl::StatusOr<GridContent> Read(std::istream& in, const std::string& what, const std::string& path) {
+  if (what != kReadInfo) return ReadGridContent(in, path, /*values=*/what == kReadContent);
+  auto info = ReadGridFileInfo(in, path);
+  if (!info.ok()) return info.status();
+  return GridContent{{*std::move(info), {}}};
+}
+
+}  // namespace
+
+bool IsReader(int argc, char** argv) { return argc == kArguments && argv[1] == std::string(kReaderArgument); }
+
+void ReadForParent(char** argv) {
+  int parent = 0;
+  ReaderLimits limits;
+  if (!absl::SimpleAtoi(argv[2], &parent) || !absl::SimpleAtoi(argv[3], &limits.memory) ||
+      !absl::SimpleAtoi(argv[4], &limits.seconds)) {
+    GiveUp();
+  }
+  // TBB looks around in the system when it is first used, and would start threads.
+  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  tbb::parallel_for(0, 2, [](int) {});
+  // It asks the system about the file.
+  __gnu_cxx::stdio_filebuf<char> buffer(kReaderFile, std::ios::in | std::ios::binary, kBufferBytes);
+  std::istream in(&buffer);
+  const bool has_own_limit = AddressLimit() != UINT64_MAX;
+  if (!ConfineReader(parent, limits).ok()) GiveUp();
+  const auto content = Read(in, argv[5], argv[6]);
+  if (content.status().code() == absl::StatusCode::kResourceExhausted && !has_own_limit) _exit(kReaderOutOfMemory);
+  Channel channel;
+  SendContent(content, [&channel](const void* from, size_t bytes) { channel.Send(from, bytes); });
+  channel.Flush();
+  _exit(kReaderDone);
+}
+
+}  // namespace latvox::client

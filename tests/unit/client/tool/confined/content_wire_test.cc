@@ -1,0 +1,129 @@
+#include "client/tool/confined/content_wire.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <functional>
+#include <string>
+
+namespace latvox::client {
+namespace {
+
+using testing::HasSubstr;
+
+GridContent Whole() {
+  GridContent content;
+  GridFileInfo& info = content.file.info;
+  info.name = "voxels";
+  info.value_type = "bool";
+  info.transform = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {0, 0, 0}, 1};
+  info.active_voxels = 3;
+  info.active_box = IndexBox{{-8, 0, 0}, {1, 1, 2}};
+  info.metadata = {{"latvox_digest", "12"}, {"empty", ""}};
+  content.file.bricks = {{{-1, 0, 0}, {1, 0, 0, 0, 0, 0, 0, 0}}, {{0, 0, 0}, {3, 0, 0, 0, 0, 0, 0, 0}}};
+  content.attributes = {Attribute::kPart, Attribute::kColor};
+  content.numbers = {1, 2, 3, 4, 5, 6};
+  return content;
+}
+
+std::string Bytes(const absl::StatusOr<GridContent>& content) {
+  std::string bytes;
+  SendContent(content,
+              [&bytes](const void* from, size_t count) { bytes.append(static_cast<const char*>(from), count); });
+  return bytes;
+}
+
+absl::StatusOr<GridContent> Read(const std::string& bytes) {
+  size_t at = 0;
+  return ReceiveContent(/*facts_alone=*/false, [&](void* to, size_t count) {
+    if (count > bytes.size() - at) return absl::DataLossError("the end");
+    std::memcpy(to, bytes.data() + at, count);
+    at += count;
+    return absl::OkStatus();
+  });
+}
+
+TEST(ContentWire, TellsAWholeContent) {
+  const auto content = Read(Bytes(Whole()));
+  ASSERT_TRUE(content.ok()) << content.status();
+  EXPECT_EQ(Bytes(*content), Bytes(Whole()));
+  EXPECT_EQ(content->file.info.metadata, Whole().file.info.metadata);
+  EXPECT_EQ(content->numbers, Whole().numbers);
+}
+
+TEST(ContentWire, TellsABand) {
+  GridContent band = Whole();
+  band.attributes.clear();
+  band.numbers.clear();
+  band.band = Band{2, false, true};
+  band.distances = {0, -1, 2};
+  const auto content = Read(Bytes(band));
+  ASSERT_TRUE(content.ok()) << content.status();
+  EXPECT_TRUE(content->band->is_signed);
+  EXPECT_EQ(content->distances, band.distances);
+}
+
+TEST(ContentWire, TellsErrorsOfTwoKindsWithoutControlCharacters) {
+  const auto bad = Read(Bytes(absl::InvalidArgumentError("a\x1b[1m.vdb: is bad"))).status();
+  EXPECT_EQ(bad.code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(std::string(bad.message()), HasSubstr("a\\x1b[1m.vdb: is bad"));
+  EXPECT_EQ(Read(Bytes(absl::ResourceExhaustedError("no"))).status().code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_EQ(Read(Bytes(absl::UnauthenticatedError("no"))).status().code(), absl::StatusCode::kInvalidArgument);
+}
+
+TEST(ContentWire, BelievesNothing) {
+  const std::function<void(GridContent&)> lies[] = {
+      [](GridContent& c) { c.file.bricks[0].mask[0] = 0; },
+      [](GridContent& c) { std::swap(c.file.bricks[0], c.file.bricks[1]); },
+      [](GridContent& c) { c.file.bricks[1] = c.file.bricks[0]; },
+      [](GridContent& c) { c.file.bricks[1].brick_ijk[2] = 1 << 29; },
+      [](GridContent& c) { c.file.bricks.pop_back(); },
+      [](GridContent& c) { ++c.file.info.active_voxels; },
+      [](GridContent& c) { c.file.info.active_box.reset(); },
+      [](GridContent& c) { c.file.info.active_box->max[0] = 100; },
+      [](GridContent& c) { c.file.info.active_box->min[1] = 100; },
+      [](GridContent& c) { c.file.info.transform.origin[1] = std::nan(""); },
+      [](GridContent& c) { c.numbers.pop_back(); },
+      [](GridContent& c) { c.attributes.push_back(Attribute::kMaterial); },
+      [](GridContent& c) { c.attributes[0] = static_cast<Attribute>(77); },
+      [](GridContent& c) {
+        c.distances = {1, 2, 3};
+      },
+      [](GridContent& c) { c.band = Band{std::nan("")}; },
+      [](GridContent& c) {
+        c.band = Band{1};
+        c.distances = {1, 2};
+      },
+      [](GridContent& c) {
+        c.band = Band{1};
+        c.distances = {1, 2, HUGE_VALF};
+      },
+  };
+  for (const auto& lie : lies) {
+    GridContent content = Whole();
+    lie(content);
+    EXPECT_EQ(Read(Bytes(content)).status().code(), absl::StatusCode::kDataLoss) << &lie - lies;
+  }
+}
+
+TEST(ContentWire, AnEndAnywhereIsAnError) {
+  const std::string whole = Bytes(Whole());
+  for (size_t length = 0; length < whole.size(); ++length) {
+    EXPECT_EQ(Read(whole.substr(0, length)).status().code(), absl::StatusCode::kDataLoss) << length;
+  }
+}
+
+// A count of 2^64 - 1 would take all memory, or overflow.
+TEST(ContentWire, ACountTakesNoMemoryBeforeItsBytesCome) {
+  const std::string whole = Bytes(Whole());
+  for (size_t at = 0; at + 8 <= whole.size(); ++at) {
+    std::string bad = whole;
+    bad.replace(at, 8, 8, '\xff');
+    Read(bad).IgnoreError();
+  }
+}
+
+}  // namespace
+}  // namespace latvox::client
