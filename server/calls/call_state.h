@@ -38,8 +38,8 @@ namespace latvox {
 // server may be gone by then. So OnDone gives the memory back before it leaves the registry, and self_ goes last.
 //
 // Locks: mu_ guards what callbacks, tasks and the registry share, for a few instructions.
-//   under mu_       StartRead, so that no Finish comes in between; StopSource::Stop and Computation::Cancel. None of
-//                   them calls back on this thread.
+//   under mu_       StartRead, so that no Finish comes in between; StopSource::Stop, Computation::Cancel and Receive.
+//                   None of them calls back on this thread.
 //   without mu_     Finish, and the registry, which may call Work of this very call. The registry in turn holds no lock
 //                   when it calls Work, Stop or EndIfStalled.
 class CallState : public LiveCall, public std::enable_shared_from_this<CallState> {

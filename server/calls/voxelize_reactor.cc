@@ -17,8 +17,9 @@ absl::StatusOr<bool> VoxelizeReactor::ReceiveSpec(const v1::VoxelizeSpec& proto)
     return LimitExceeded("memory", spec->mesh_bytes, environment_.memory.total());
   }
   auto computation = std::make_unique<Computation>(*std::move(spec), origin_.request_id, environment_);
+  // The call may end on another thread at any time. That thread then frees a computation that is there, without mu_.
   const std::lock_guard lock(mu_);
-  computation_ = std::move(computation);
+  if (!finishing_) computation_ = std::move(computation);
   return true;
 }
 
@@ -27,7 +28,9 @@ absl::Status VoxelizeReactor::ReceivePiece(std::string&& piece) {
   absl::Status status = raw_mesh_ ? raw_mesh_->Add(piece) : absl::OkStatus();
   status.Update(upload_->Append(std::move(piece)));
   bytes_in_ = upload_->size();
-  return status.ok() ? computation_->Receive(bytes_in_) : status;
+  if (!status.ok()) return status;
+  const std::lock_guard lock(mu_);
+  return finishing_ ? absl::OkStatus() : computation_->Receive(bytes_in_);
 }
 
 absl::Status VoxelizeReactor::CheckUpload() const {

@@ -28,7 +28,7 @@ struct DecoderOptions {
 // to 76 for edgebreaker, 30 to 35 for sequential. Memory counts as address space beyond that of an idle process.
 inline constexpr uint64_t kDecoderBytesPerTriangle = 80;
 
-// DecoderOptions::memory for builds with AddressSanitizer, because its own use of address space would count.
+// DecoderOptions::memory for builds with a sanitizer, because its own use of address space would count.
 inline constexpr uint64_t kNoMemoryLimit = UINT64_MAX;
 
 // The way in which a process has ended.

@@ -82,7 +82,7 @@ absl::Status LimitSelf(pid_t parent, uint64_t memory) {
   BeKilledFirst();
   if (prctl(PR_SET_DUMPABLE, 0) != 0) return Failed("PR_SET_DUMPABLE");
   if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0) return Failed("PR_SET_NO_NEW_PRIVS");
-  if (kAddressSanitizer) return absl::OkStatus();
+  if (kUnderSanitizer) return absl::OkStatus();
   if (!SetLimit(RLIMIT_CORE, 0)) return Failed("RLIMIT_CORE");
   if (!SetLimit(RLIMIT_FSIZE, 0)) return Failed("RLIMIT_FSIZE");
   const uint64_t in_use = AddressSpaceInUse();
@@ -93,7 +93,7 @@ absl::Status LimitSelf(pid_t parent, uint64_t memory) {
 }
 
 absl::Status ForbidSystemCalls(int channel) {
-  if (kAddressSanitizer) return absl::OkStatus();
+  if (kUnderSanitizer) return absl::OkStatus();
   const std::unique_ptr<void, void (*)(scmp_filter_ctx)> filter(seccomp_init(SCMP_ACT_KILL_PROCESS), &seccomp_release);
   if (!filter) return absl::UnavailableError("seccomp: it is not there");
   if (absl::Status status = AddRules(filter.get(), channel); !status.ok()) return status;

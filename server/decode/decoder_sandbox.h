@@ -10,18 +10,18 @@
 
 namespace latvox {
 
-// AddressSanitizer takes terabytes of address space, needs files, and makes more system calls than malloc. A build with
-// it, for tests, does not confine its decoders.
-#if defined(__SANITIZE_ADDRESS__)
-inline constexpr bool kAddressSanitizer = true;
+// AddressSanitizer and ThreadSanitizer take terabytes of address space, need files, and make more system calls than
+// malloc. A build with one of them, for tests, does not confine its decoders.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+inline constexpr bool kUnderSanitizer = true;
 #elif defined(__has_feature)
-#if __has_feature(address_sanitizer)
-inline constexpr bool kAddressSanitizer = true;
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+inline constexpr bool kUnderSanitizer = true;
 #else
-inline constexpr bool kAddressSanitizer = false;
+inline constexpr bool kUnderSanitizer = false;
 #endif
 #else
-inline constexpr bool kAddressSanitizer = false;
+inline constexpr bool kUnderSanitizer = false;
 #endif
 
 // Ties the process to `parent`, so that both end together. Forbids core files, tracing, more privileges, and opening or

@@ -26,7 +26,7 @@ constexpr absl::Duration kLeastWall = absl::Seconds(10);
 
 // The limits of a decode follow the bytes, and then the counts that they declare. So a small file cannot cost much,
 // whatever Draco believes. A triangle takes Draco up to 0.5 us and 200 bytes, with normals and coordinates of textures.
-constexpr absl::Duration kSmallCpuTime = kAddressSanitizer ? absl::Seconds(1) : absl::Milliseconds(100),
+constexpr absl::Duration kSmallCpuTime = kUnderSanitizer ? absl::Seconds(1) : absl::Milliseconds(100),
                          kCpuTimePerByte = absl::Microseconds(1), kCpuTimePerElement = absl::Microseconds(5);
 constexpr uint64_t kMemoryPerElement = uint64_t{1} << 10;
 
@@ -104,7 +104,7 @@ void DecoderSlot::Begin(std::shared_ptr<DecodeJob> job) {
 }
 
 void DecoderSlot::SetLimits(absl::Duration cpu_time) {
-  if (options_.memory != kNoMemoryLimit && !kAddressSanitizer) process_->LimitAddressSpace(idle_bytes_ + memory_limit_);
+  if (options_.memory != kNoMemoryLimit && !kUnderSanitizer) process_->LimitAddressSpace(idle_bytes_ + memory_limit_);
   cpu_limit_ = std::min(options_.cpu_time, cpu_time);
   check_cpu_at_ = absl::Now() + cpu_limit_;
   give_up_at_ = absl::Now() + kWallPerCpu * std::min(options_.cpu_time, std::max(kLeastWall / kWallPerCpu, cpu_limit_));

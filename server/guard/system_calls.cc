@@ -11,6 +11,7 @@
 #include <atomic>
 #include <cerrno>
 #include <optional>
+#include <string>
 
 #include "server/guard/connections.h"
 
@@ -19,10 +20,12 @@ namespace {
 
 #ifdef LATVOX_GUARD
 
-// Returns the function that this program replaces.
+// Returns the function that this program replaces. In a build with a sanitizer that is the sanitizer's own, so that it
+// knows which descriptors are closed, and used again.
 template <class Function>
 Function* Original(const char* name) {
-  return reinterpret_cast<Function*>(dlsym(RTLD_NEXT, name));
+  void* const sanitized = dlsym(RTLD_DEFAULT, (std::string("__interceptor_") + name).c_str());
+  return reinterpret_cast<Function*>(sanitized != nullptr ? sanitized : dlsym(RTLD_NEXT, name));
 }
 
 // Returns whether a library that calls `name` calls `ours`.

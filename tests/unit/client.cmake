@@ -38,15 +38,16 @@ foreach(name merge_test merge_errors_test)
                   LIBRARIES latvox::grid latvox::openvdb_trees GTest::gmock)
 endforeach()
 foreach(name call_test attributes_call_test band_call_test call_end_test dense_test error_test)
-  latvox_add_test(client_${name} SOURCES unit/client/internal/${name}.cc LIBRARIES latvox::client latvox::proto GTest::gmock)
+  latvox_add_test(client_${name} THREADED SOURCES unit/client/internal/${name}.cc
+                  LIBRARIES latvox::client latvox::proto GTest::gmock)
 endforeach()
 add_library(latvox_model_server STATIC unit/client/model_server.cc unit/client/relay.cc)
 target_link_libraries(latvox_model_server PUBLIC latvox::proto PRIVATE latvox_build latvox::client)
-latvox_add_test(client_resume_test SOURCES unit/client/internal/resume_test.cc
+latvox_add_test(client_resume_test THREADED SOURCES unit/client/internal/resume_test.cc
                 LIBRARIES latvox::client latvox_model_server GTest::gmock)
-latvox_add_test(client_retry_test SOURCES unit/client/internal/retry_test.cc
+latvox_add_test(client_retry_test THREADED SOURCES unit/client/internal/retry_test.cc
                 LIBRARIES latvox::client latvox_model_server GTest::gmock)
-latvox_add_test(client_stream_test SOURCES unit/client/internal/stream_test.cc
+latvox_add_test(client_stream_test THREADED SOURCES unit/client/internal/stream_test.cc
                 LIBRARIES latvox::client latvox_model_server GTest::gmock)
 latvox_add_test(client_content_wire_test SOURCES unit/client/tool/confined/content_wire_test.cc
                 LIBRARIES latvox::tool GTest::gmock)
@@ -58,7 +59,8 @@ latvox_add_test(client_batch_test SOURCES unit/client/tool/cli/batch_test.cc LIB
 # Both ends of one call.
 latvox_add_test(named_lattices_test SOURCES unit/both_ends/named_lattices_test.cc
                 LIBRARIES latvox::core latvox::client latvox::proto)
-latvox_add_test(plane_call_test SOURCES unit/both_ends/plane_call_test.cc LIBRARIES latvox::client latvox::server GTest::gmock)
+latvox_add_test(plane_call_test THREADED SOURCES unit/both_ends/plane_call_test.cc
+                LIBRARIES latvox::client latvox::server GTest::gmock)
 latvox_add_test(request_rules_test UNSANITIZED SOURCES unit/both_ends/request_rules_test.cc
                 LIBRARIES latvox::client latvox::server latvox_server_meshes GTest::gmock)
 if(TARGET request_rules_test)

@@ -9,7 +9,7 @@ latvox_add_test(server_decoder_test SOURCES unit/server/decode/decoder_test.cc
 latvox_add_test(server_raw_mesh_test SOURCES unit/server/decode/raw_mesh_test.cc LIBRARIES latvox::server GTest::gmock)
 latvox_add_test(server_decoder_protocol_test SOURCES unit/server/decode/decoder_protocol_test.cc
                 LIBRARIES latvox::server latvox_server_meshes GTest::gmock)
-# Seccomp forbids calls that AddressSanitizer needs.
+# Seccomp forbids calls that sanitizers need.
 latvox_add_test(server_decoder_sandbox_test UNSANITIZED SOURCES unit/server/decode/decoder_sandbox_test.cc
                 LIBRARIES latvox::server ${LATVOX_SECCOMP} GTest::gmock)
 latvox_add_test(server_decoder_pool_test SOURCES unit/server/decode/decoder_pool_test.cc

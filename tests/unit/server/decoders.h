@@ -7,13 +7,13 @@
 
 namespace latvox {
 
-// Two processes of the latvoxd beside the tests, whatever is built. AddressSanitizer takes address space by the
-// terabyte: with it, memory is not limited.
+// Two processes of the latvoxd beside the tests, whatever is built. A sanitizer takes address space by the terabyte:
+// with it, memory is not limited.
 inline DecoderOptions TestDecoders() {
   DecoderOptions options;
   options.program = LATVOXD;
   options.processes = 2;
-  options.memory = kAddressSanitizer ? kNoMemoryLimit : uint64_t{1} << 30;
+  options.memory = kUnderSanitizer ? kNoMemoryLimit : uint64_t{1} << 30;
   return options;
 }
 

@@ -93,6 +93,24 @@ TEST_F(ServerTest, CancelsAtAnyMomentEndCleanly) {
   EXPECT_TRUE(Eventually([&] { return server_->calls() == 0; }));
 }
 
+// ThreadSanitizer sees what the server's threads share meanwhile.
+TEST_F(ServerTest, CancelsDuringUploadsGiveAllMemoryBack) {
+  Start();
+  for (int n = 0; n < 100; ++n) {
+    VoxelizeCall call(*stub_);
+    std::thread canceller([&, n] {
+      std::this_thread::sleep_for(std::chrono::microseconds(n * 100));
+      call.context().TryCancel();
+    });
+    call.Send(SpecMessage(Spec(9)));
+    for (int piece = 0; piece < 50; ++piece) call.Send(PieceMessage(std::string(1000, 'x')));
+    EXPECT_EQ(call.Receive().status.error_code(), grpc::StatusCode::CANCELLED);
+    canceller.join();
+  }
+  EXPECT_TRUE(Eventually([&] { return server_->calls() == 0; }));
+  EXPECT_EQ(server_->reserved_memory(), 0);
+}
+
 TEST_F(ServerTest, EndsACallAtItsDeadlineInUploadAndInStream) {
   Start();
   for (const bool streaming : {false, true}) {

@@ -141,7 +141,7 @@ TEST_F(OneTurn, StreamsThatHaveGivenItUpEndWithinTheGrace) {
   VoxelizeCall first(*stub_), second(*stub_);
   StartBigJob(first);
   StartBigJob(second);
-  std::thread stopper([&] { EXPECT_TRUE(server_->Stop(absl::Seconds(20))); });
+  std::thread stopper([&] { EXPECT_TRUE(server_->Stop(absl::FromChrono(kPatience))); });
   ASSERT_TRUE(Eventually(
       [&] { return Voxelize(*stub_, Spec(4), SphereBytes()).status.error_code() == grpc::StatusCode::UNAVAILABLE; }));
   ExpectRest(first);

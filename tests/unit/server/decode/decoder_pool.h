@@ -30,8 +30,8 @@
 
 namespace latvox {
 
-// With AddressSanitizer, processes of the lowest priority (see StartStopped) take their time on a busy machine.
-inline constexpr auto kPatience = std::chrono::seconds(kAddressSanitizer ? 200 : 30);
+// Under a sanitizer, processes of the lowest priority (see StartStopped) take their time on a busy machine.
+inline constexpr auto kPatience = std::chrono::seconds(kUnderSanitizer ? 200 : 30);
 
 inline bool Eventually(const std::function<bool()>& condition) {
   const auto deadline = std::chrono::steady_clock::now() + kPatience;
@@ -116,9 +116,9 @@ class DecoderPoolTest : public testing::Test {
     ASSERT_TRUE(Eventually([&] { return static_cast<int>(Running().size()) == options_.processes; }));
   }
 
-  // Processes that are ready: they are confined, or, in a build with AddressSanitizer, have done the rest of it.
+  // Processes that are ready: they are confined, or, in a build with a sanitizer, have done the rest of it.
   static std::vector<pid_t> Running() {
-    const char* const ready = kAddressSanitizer ? "NoNewPrivs:\t1" : "Seccomp:\t2";
+    const char* const ready = kUnderSanitizer ? "NoNewPrivs:\t1" : "Seccomp:\t2";
     std::vector<pid_t> pids = Children();
     std::erase_if(pids, [ready](pid_t pid) {
       std::ifstream file(absl::StrCat("/proc/", pid, "/status"));

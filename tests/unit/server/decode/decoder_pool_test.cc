@@ -199,7 +199,7 @@ TEST_F(DecoderPoolTest, AMeshThatTwoProcessesCrashOnIsBad) {
 }
 
 TEST_F(DecoderPoolTest, ADecodeEndsAtItsMemoryLimit) {
-  if (kAddressSanitizer) GTEST_SKIP() << "there is no limit of memory with AddressSanitizer";
+  if (kUnderSanitizer) GTEST_SKIP() << "there is no limit of memory under a sanitizer";
   options_.memory = 16 << 20;
   Start();
   const absl::Status status = Decode(*pool_, Large()).Get().status();
@@ -257,7 +257,7 @@ TEST_F(DecoderPoolTest, ADecodeEndsAtItsCpuLimit) {
 }
 
 TEST_F(DecoderPoolTest, AMeshWhoseProcessDoesNothingGetsAnother) {
-  options_.cpu_time = absl::Milliseconds(kAddressSanitizer ? 1000 : 300);  // a tenth of the real time of each process
+  options_.cpu_time = absl::Milliseconds(kUnderSanitizer ? 1000 : 300);  // a tenth of the real time of each process
   StartStopped();
   LogLines lines;
   ExpectSame(Decode(*pool_, Small()).Get(), Small());
@@ -268,7 +268,7 @@ TEST_F(DecoderPoolTest, AMeshWhoseProcessDoesNothingGetsAnother) {
 
 // 61 bytes that made Draco 1.5.5 take 20 GB: google/draco#1169.
 TEST_F(DecoderPoolTest, ASmallFileThatAsksForGigabytesEndsSoonAndGetsNone) {
-  if (kAddressSanitizer) GTEST_SKIP() << "there is no limit of memory with AddressSanitizer";
+  if (kUnderSanitizer) GTEST_SKIP() << "there is no limit of memory under a sanitizer";
   options_.processes = 1;
   Start();
   std::ifstream file(LATVOX_RESERVE_BOMB, std::ios::binary);

@@ -86,7 +86,7 @@ TEST_F(ForeignProgram, ThatDoesNothingIsReplacedOnce) {
 }
 
 TEST_F(ForeignProgram, MayTakeTheCpuTimeThatTheMeshDeclares) {
-  const double small = (kAddressSanitizer ? 1 : 0.1) + 1e-6 * static_cast<double>(Small().size());
+  const double small = (kUnderSanitizer ? 1 : 0.1) + 1e-6 * static_cast<double>(Small().size());
   const std::pair<std::string, double> limits[] = {
       {"", small},
       // 100,000 triangles
