@@ -34,7 +34,7 @@ class UnitScheduler {
   std::optional<TileNode> Next();
   // Puts the last units that Next has returned back, in their order.
   void PutBack(std::vector<TileNode> units);
-  bool Done() const { return todo_.empty(); }  // after a call of Next
+  bool Done() const { return started_ && todo_.empty(); }  // an interruption may come before the first Next
 
   // Whether none of a node's tiles is delivered.
   bool IsLeftOut(const TileNode& node) const;
