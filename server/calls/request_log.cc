@@ -38,9 +38,9 @@ void AppendCounts(const PixelizationFacts& facts, Fields& fields) {
 void AppendTimes(const ComputationFacts& facts, Fields& fields) {
   fields.emplace_back("decode_ms", facts.decode_ms);
   fields.emplace_back("voxelize_ms", facts.voxelize_ms);
+  fields.emplace_back("stream_ms", facts.stream_ms);
   fields.emplace_back("estimated_ms", facts.estimated_ms);
   fields.emplace_back("cpu_ms", facts.cpu_ms);
-  fields.emplace_back("stream_ms", facts.stream_ms);
 }
 
 void AppendTimes(const PixelizationFacts& facts, Fields& fields) {

@@ -31,12 +31,20 @@ std::string LineOf(const RequestRecord& record, LogLevel level = LogLevel::kInfo
 TEST(RequestLog, HasTheCountsAndTimesOfAVoxelization) {
   RequestRecord record = Record("Voxelize");
   record.lattice = "bcc";
-  record.work = ComputationFacts{.triangles = 8, .voxels = 9, .bricks = 1, .decode_ms = 2, .voxelize_ms = 3};
+  record.work = ComputationFacts{.triangles = 8,
+                                 .voxels = 9,
+                                 .bricks = 1,
+                                 .reserved_bytes = 7,
+                                 .estimated_ms = 5,
+                                 .cpu_ms = 6,
+                                 .decode_ms = 2,
+                                 .voxelize_ms = 3};
   record.upload_ms = 1;
   record.queue_ms = 0.5;
-  EXPECT_THAT(LineOf(record), HasSubstr(" code=OK lattice=bcc k=0 triangles=8 voxels=9 bricks=1 bytes_in=0 bytes_out=0 "
+  EXPECT_THAT(LineOf(record), HasSubstr(" code=OK lattice=bcc k=0 triangles=8 voxels=9 bricks=1 "
+                                        "reserved_bytes=7 bytes_in=0 bytes_out=0 "
                                         "upload_ms=1.000 queue_ms=0.500 decode_ms=2.000 voxelize_ms=3.000 "
-                                        "stream_ms=0.000 total_ms=0.000\n"));
+                                        "stream_ms=0.000 estimated_ms=5.000 cpu_ms=6.000 total_ms=0.000\n"));
 }
 
 TEST(RequestLog, HasOfAnUploadWhatThereIsOfIt) {
