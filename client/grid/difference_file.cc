@@ -21,7 +21,7 @@ void DescribeDifference(const GridDifference& difference, const GridTransform& t
   Place(transform, grid);
   grid.insertMeta("latvox_difference_a", openvdb::StringMetadata(difference.a));
   grid.insertMeta("latvox_difference_b", openvdb::StringMetadata(difference.b));
-  DescribeNames({{std::begin(kNames), std::end(kNames)}, {}}, Attribute::kPart, grid);
+  DescribeNames({{std::begin(kNames), std::end(kNames)}, {}}, Field::kPart, grid);
 }
 
 }  // namespace
@@ -34,14 +34,14 @@ absl::Status WriteDifferenceFile(const GridDifference& difference, const GridTra
   if (auto status = voxels.Add({difference.bricks}); !status.ok()) return status;
   const auto part = openvdb::Int32Grid::create(-1);
   FillGrid(
-      difference.bricks, difference.marks.data(), 1, [](uint32_t n) { return static_cast<int32_t>(n); }, *part);
+      difference.bricks, difference.marks.data(), 1, [](const uint32_t* n) { return static_cast<int32_t>(*n); }, *part);
   DescribeDifference(difference, transform, "voxels", *voxels.content().grid);
-  DescribeDifference(difference, transform, NameOf(Attribute::kPart), *part);
+  DescribeDifference(difference, transform, NameOf(Field::kPart), *part);
   openvdb::GridCPtrVec grids{voxels.content().grid, part};
   if (difference.is_band) {
     const auto changes = openvdb::FloatGrid::create(0);
     FillGrid(
-        difference.changed, difference.changes.data(), 1, [](float change) { return change; }, *changes);
+        difference.changed, difference.changes.data(), 1, [](const float* change) { return *change; }, *changes);
     DescribeDifference(difference, transform, "difference", *changes);
     grids.push_back(changes);
   }

@@ -47,8 +47,9 @@ DistanceGrid& DistanceGrid::operator=(DistanceGrid&&) noexcept = default;
 DistanceGrid::~DistanceGrid() = default;
 
 absl::Status DistanceGrid::Add(const BrickBatch& batch) try {
+  const auto distances = FindField(batch.fields, Field::kDistance)->As<float>();
   FillGrid(
-      batch.bricks, batch.values.data(), 1, [](float distance) { return distance; }, *content_->grid);
+      batch.bricks, distances.data(), 1, [](const float* distance) { return *distance; }, *content_->grid);
   return absl::OkStatus();
 } catch (const std::bad_alloc&) {
   return absl::ResourceExhaustedError("not enough memory for the OpenVDB grid");

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstddef>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "client/grid/grid_reading.h"
@@ -16,8 +18,6 @@ namespace {
 
 using openvdb::Index;
 
-constexpr Attribute kAttributes[] = {Attribute::kPart, Attribute::kMaterial, Attribute::kColor};
-
 // Calls visit(value) for each active voxel, in the order of a brick's bits.
 template <class AnyLeaf, class Visit>
 void ForEachValue(const AnyLeaf& leaf, const Visit& visit) {
@@ -28,54 +28,79 @@ void ForEachValue(const AnyLeaf& leaf, const Visit& visit) {
   }
 }
 
-Band BandOf(const openvdb::GridBase& grid, const std::vector<float>& distances) {
-  Band band;
-  const auto is_signed = grid.getMetadata<openvdb::BoolMetadata>("latvox_band_signed");
-  const auto width = grid.getMetadata<openvdb::DoubleMetadata>("latvox_band_width");
-  for (const float distance : distances) {
-    band.width = std::max(band.width, std::abs(double{distance}));
-    band.is_signed |= distance < 0;
+template <class T>
+void Append(const T& numbers, std::vector<std::byte>& bytes) {
+  const auto* const first = reinterpret_cast<const std::byte*>(&numbers);
+  bytes.insert(bytes.end(), first, first + sizeof(T));
+}
+
+// Appends the components of a field. False where latvox writes no such value.
+bool AppendField(Field, int32_t number, std::vector<std::byte>& bytes) {
+  Append(number, bytes);
+  return number >= 0;
+}
+bool AppendField(Field, float number, std::vector<std::byte>& bytes) {
+  Append(number, bytes);
+  return std::isfinite(number);
+}
+bool AppendField(Field field, const openvdb::Vec3s& vector, std::vector<std::byte>& bytes) {
+  bool good = true;
+  for (int m = 0; m < static_cast<int>(FactsOf(field).components); ++m) {
+    const bool is_color = field == Field::kColor;
+    good &= std::isfinite(vector[m]) && (!is_color || (vector[m] >= 0 && vector[m] <= 1));
+    if (is_color) {
+      Append(static_cast<uint8_t>(good ? std::lround(vector[m] * 255) : 0), bytes);
+    } else {
+      Append(vector[m], bytes);
+    }
   }
-  if (is_signed) band.is_signed = is_signed->value();
-  if (width) band.width = width->value();
-  return band;
+  return good;
+}
+
+// Reads the values of a field from the leaves of its grid. False: some are no values of this field.
+template <class Leaves>
+bool ReadValues(const Leaves& leaves, uint64_t voxels, FieldValues& values) {
+  values.bytes.reserve(voxels * FactsOf(values.field).bytes());
+  bool good = true;
+  for (const auto* leaf : leaves) {
+    ForEachValue(*leaf, [&](const auto& value) { good &= AppendField(values.field, value, values.bytes); });
+  }
+  return good;
+}
+
+void SetRange(const openvdb::GridBase& grid, GridContent& content) {
+  const FieldValues* const distances = FindField(content.fields, Field::kDistance);
+  if (distances == nullptr) return;
+  DistanceRange& range = content.distances.emplace();
+  for (const float distance : distances->As<float>()) {
+    range.most = std::max(range.most, std::abs(double{distance}));
+    range.is_signed |= distance < 0;
+  }
+  const auto is_signed = grid.getMetadata<openvdb::BoolMetadata>("latvox_signed_distance");
+  const auto width = grid.getMetadata<openvdb::DoubleMetadata>("latvox_band_width");
+  if (is_signed) range.is_signed = is_signed->value();
+  if (width) range.most = width->value();
 }
 
 absl::StatusOr<GridContent> ReadBand(openvdb::FloatGrid& grid, const std::string& path, bool values) {
   if (auto status = CheckTransform(grid, path); !status.ok()) return status;
   const auto leaves = SortedLeaves(grid.tree(), path);
   if (!leaves.ok()) return leaves.status();
-  GridContent content{{Describe(grid), {}}};
+  GridContent content{.file = {Describe(grid), {}}, .is_band = true};
   content.file.bricks.reserve(leaves->size());
-  if (values) content.distances.reserve(content.file.info.active_voxels);
-  for (const auto* leaf : *leaves) {
-    content.file.bricks.push_back(ToBrick(*leaf));
-    if (values) ForEachValue(*leaf, [&](float distance) { content.distances.push_back(distance); });
-  }
-  if (!std::all_of(content.distances.begin(), content.distances.end(), [](float d) { return std::isfinite(d); })) {
+  for (const auto* leaf : *leaves) content.file.bricks.push_back(ToBrick(*leaf));
+  if (!values) return content;
+  content.fields.push_back({Field::kDistance, {}});
+  if (!ReadValues(*leaves, content.file.info.active_voxels, content.fields.back())) {
     return absl::InvalidArgumentError(absl::StrCat(path, ": has distances that are not finite"));
   }
-  content.band = BandOf(grid, content.distances);
+  SetRange(grid, content);
   return content;
 }
 
-// False where latvox writes no such value.
-bool ToNumber(int32_t value, uint32_t& number) {
-  number = static_cast<uint32_t>(value);
-  return true;
-}
-bool ToNumber(const openvdb::Vec3s& color, uint32_t& number) {
-  number = 0;
-  for (int m = 0; m < 3; ++m) {
-    if (!(color[m] >= 0 && color[m] <= 1)) return false;
-    number = number << 8 | static_cast<uint32_t>(std::lround(color[m] * 255));
-  }
-  return true;
-}
-
-// The numbers of attribute n.
 template <class Grid>
-absl::Status ReadNumbers(openvdb::GridBase& base, const std::string& path, size_t n, GridContent& content) {
+absl::Status ReadField(openvdb::GridBase& base, const std::string& path, const GridContent& content,
+                       FieldValues& values) {
   const auto wrong = [&](const auto&... what) {
     return absl::InvalidArgumentError(absl::StrCat(path, ": the grid \"", Printable(base.getName()), "\" ", what...));
   };
@@ -90,32 +115,30 @@ absl::Status ReadNumbers(openvdb::GridBase& base, const std::string& path, size_
   if (!std::equal(leaves->begin(), leaves->end(), bricks.begin(), bricks.end(), same)) {
     return wrong("has other voxels than the grid \"", content.file.info.name, "\"");
   }
-  uint32_t* number = content.numbers.data() + n;
-  bool good = true;
-  for (const auto* leaf : *leaves) {
-    ForEachValue(*leaf, [&](const auto& value) {
-      good &= ToNumber(value, *number);
-      number += content.attributes.size();
-    });
-  }
-  return good ? absl::OkStatus() : wrong("has values that are no colors from 0 to 1");
+  if (ReadValues(*leaves, content.file.info.active_voxels, values)) return absl::OkStatus();
+  return wrong("has values that are no ", NameOf(values.field));
+}
+
+absl::Status ReadField(openvdb::GridBase& grid, const std::string& path, const GridContent& content,
+                       FieldValues& values) {
+  const FieldFacts& facts = FactsOf(values.field);
+  if (facts.components > 1) return ReadField<openvdb::Vec3SGrid>(grid, path, content, values);
+  if (facts.type == NumberType::kFloat32) return ReadField<openvdb::FloatGrid>(grid, path, content, values);
+  return ReadField<openvdb::Int32Grid>(grid, path, content, values);
 }
 
 absl::StatusOr<GridContent> ReadSet(GridArchive& archive, const std::string& path, bool values) {
   auto set = ReadVoxels(archive, path);
   if (!set.ok()) return set.status();
-  GridContent content{*std::move(set)};
+  GridContent content{.file = *std::move(set)};
   if (!values || content.file.info.name != "voxels") return content;
-  for (const Attribute attribute : kAttributes) {
-    if (archive.HasGrid(NameOf(attribute))) content.attributes.push_back(attribute);
-  }
-  content.numbers.resize(content.file.info.active_voxels * content.attributes.size());
-  for (size_t n = 0; n < content.attributes.size(); ++n) {
-    const openvdb::GridBase::Ptr grid = archive.ReadGrid(NameOf(content.attributes[n]));
-    const absl::Status status = content.attributes[n] == Attribute::kColor
-                                    ? ReadNumbers<openvdb::Vec3SGrid>(*grid, path, n, content)
-                                    : ReadNumbers<openvdb::Int32Grid>(*grid, path, n, content);
-    if (!status.ok()) return status;
+  for (const FieldFacts& row : kFields) {
+    if (!archive.HasGrid(row.name)) continue;
+    FieldValues field{row.field, {}};
+    const openvdb::GridBase::Ptr grid = archive.ReadGrid(row.name);
+    if (auto status = ReadField(*grid, path, content, field); !status.ok()) return status;
+    content.fields.push_back(std::move(field));
+    if (row.field == Field::kDistance) SetRange(*grid, content);
   }
   return content;
 }

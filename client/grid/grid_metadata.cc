@@ -52,7 +52,7 @@ void Describe(const Certificate& certificate, openvdb::GridBase& grid) {
   Insert(grid, "latvox_lattice", certificate.lattice);
   Insert(grid, "latvox_digest", certificate.digest);
   Insert(grid, "latvox_algorithm", certificate.algorithm);
-  if (!certificate.band) Insert(grid, "latvox_cover", certificate.cover);
+  Insert(grid, "latvox_set", certificate.set);
   Insert(grid, "latvox_version", certificate.version);
   grid.insertMeta("latvox_separability", openvdb::Int32Metadata(static_cast<int32_t>(certificate.separability)));
   grid.insertMeta("latvox_tunnel_free", openvdb::BoolMetadata(certificate.tunnel_free));
@@ -67,20 +67,17 @@ void Describe(const Certificate& certificate, openvdb::GridBase& grid) {
     Insert(grid, "latvox_shard", absl::StrCat(shard->index, "/", shard->count));
   }
   if (const auto& solid = certificate.solid) {
-    Insert(grid, "latvox_fill", "solid");
     Insert(grid, "latvox_interior_rule", solid->rule);
-    grid.insertMeta("latvox_surface", openvdb::BoolMetadata(solid->surface));
     grid.insertMeta("latvox_unbalanced_lines", openvdb::Int64Metadata(static_cast<int64_t>(solid->unbalanced_lines)));
   }
-  if (const auto& band = certificate.band) {
-    grid.insertMeta("latvox_band_width", openvdb::DoubleMetadata(band->width));
-    grid.insertMeta("latvox_band_signed", openvdb::BoolMetadata(band->is_signed));
-    Insert(grid, "latvox_band_digest", band->digest);
-  }
-  if (const auto& carried = certificate.attributes) {
-    const auto name = [](std::string* out, Attribute attribute) { *out += NameOf(attribute); };
-    Insert(grid, "latvox_attributes", absl::StrJoin(carried->attributes, ",", name));
-    Insert(grid, "latvox_attributes_digest", carried->digest);
+  if (const auto& band = certificate.band) grid.insertMeta("latvox_band_width", openvdb::DoubleMetadata(band->width));
+  if (certificate.fields.empty()) return;
+  const auto name = [](std::string* out, const FieldCertificate& field) { *out += NameOf(field.field); };
+  Insert(grid, "latvox_fields", absl::StrJoin(certificate.fields, ",", name));
+  for (const auto& [field, digest] : certificate.fields) {
+    Insert(grid, absl::StrCat("latvox_", NameOf(field), "_digest").c_str(), digest);
+    if (field != Field::kDistance) continue;
+    grid.insertMeta("latvox_signed_distance", openvdb::BoolMetadata(certificate.signed_distance));
   }
 }
 

@@ -7,8 +7,8 @@
 namespace latvox::client {
 namespace {
 
-constexpr std::pair<Attribute, const char*> kKeys[] = {{Attribute::kPart, "latvox_part_names"},
-                                                       {Attribute::kMaterial, "latvox_material_names"}};
+constexpr std::pair<Field, const char*> kKeys[] = {{Field::kPart, "latvox_part_names"},
+                                                   {Field::kMaterial, "latvox_material_names"}};
 
 std::vector<std::string> Parse(const std::string& text) {
   const auto json = nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false);
@@ -19,7 +19,7 @@ std::vector<std::string> Parse(const std::string& text) {
 
 }  // namespace
 
-void DescribeNames(const CarriedNames& names, Attribute attribute, openvdb::GridBase& grid) {
+void DescribeNames(const CarriedNames& names, Field attribute, openvdb::GridBase& grid) {
   for (const auto& [named, key] : kKeys) {
     std::vector<std::string> kept = names.Of(attribute);
     if (named != attribute || kept.empty()) continue;

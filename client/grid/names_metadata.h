@@ -11,7 +11,7 @@ namespace latvox::client {
 inline constexpr size_t kMostNames = 10'000;
 
 // Writes the names of an attribute as metadata, unless there are none.
-void DescribeNames(const CarriedNames& names, Attribute attribute, openvdb::GridBase& grid);
+void DescribeNames(const CarriedNames& names, Field attribute, openvdb::GridBase& grid);
 
 }  // namespace latvox::client
 

@@ -27,7 +27,7 @@ constexpr int64_t kLeafBytes = 140;
 void CheckFrame(std::istream& in, uint64_t size) {
   const GridFrame frame = ReadGridFrame(in, size);
   if (frame.grids.size() != 1) {
-    throw std::runtime_error(absl::StrCat("it holds ", frame.grids.size(), " grids, not 1: attributes are not joined"));
+    throw std::runtime_error(absl::StrCat("it holds ", frame.grids.size(), " grids, not 1: fields are not joined"));
   }
   const FrameGrid& grid = frame.grids.front();
   if (grid.type != openvdb::BoolGrid::gridType()) {

@@ -1,6 +1,7 @@
 #include "client/grid/request_metadata.h"
 
 #include <nlohmann/json.hpp>
+#include <variant>
 
 #include "absl/strings/str_cat.h"
 
@@ -20,19 +21,8 @@ std::string Corners(const Box& box) {
 }
 
 void AddSolid(const Solid& solid, Json& json) {
-  json["fill"] = "solid";
-  json["interior_rule"] = NameOf(solid.rule);
-  if (!solid.surface) json["without_surface"] = true;
+  json["rule"] = NameOf(solid.rule);
   if (solid.force_open) json["force_open"] = true;
-}
-
-void AddSurface(const VoxelizeRequest& request, Json& json) {
-  json["separability"] = request.separability;
-  if (request.cover == Cover::kSupercover) {
-    json["cover"] = "supercover";
-  } else if (request.algorithm == Algorithm::kExact) {
-    json["minimal"] = request.minimal.value_or(true);
-  }
 }
 
 void AddBand(const Band& band, Json& json) {
@@ -41,7 +31,17 @@ void AddBand(const Band& band, Json& json) {
   } else {
     json["band"] = band.width;
   }
-  if (band.is_signed) json["signed"] = true;
+}
+
+// Only a separating surface is thinned.
+void AddSurface(const VoxelizeRequest& request, Json& json) {
+  const auto* const solid = std::get_if<Solid>(&request.set);
+  const bool separates =
+      solid != nullptr ? solid->surface == SolidSurface::kSeparating : std::holds_alternative<Surface>(request.set);
+  const bool has_surface = solid == nullptr || solid->surface != SolidSurface::kNone;
+  if (has_surface) json["separability"] = request.separability;
+  if (separates && request.algorithm == Algorithm::kExact) json["minimal"] = request.minimal.value_or(true);
+  json["algorithm"] = kAlgorithms[static_cast<size_t>(request.algorithm)];
 }
 
 void AddNote(const MeshNote& note, Json& json) {
@@ -66,14 +66,15 @@ Json RequestJson(const VoxelizeRequest& request) {
   if (request.resolution) json["resolution"] = *request.resolution;
   if (request.origin) json["origin"] = *request.origin;
   if (request.placement) json["placement"] = NameOf(*request.placement);
-  if (request.band) {
-    AddBand(*request.band, json);
-    return json;
+  json["set"] = NameOf(request.set);
+  if (const auto* solid = std::get_if<Solid>(&request.set)) AddSolid(*solid, json);
+  if (const auto* band = std::get_if<Band>(&request.set)) {
+    AddBand(*band, json);
+  } else {
+    AddSurface(request, json);
   }
-  if (!request.solid || request.solid->surface) AddSurface(request, json);
-  for (const Attribute attribute : request.attributes) json["attributes"].push_back(NameOf(attribute));
-  json["algorithm"] = kAlgorithms[static_cast<size_t>(request.algorithm)];
-  if (request.solid) AddSolid(*request.solid, json);
+  for (const Field field : request.fields) json["fields"].push_back(NameOf(field));
+  if (request.signed_distance) json["signed"] = true;
   if (request.verify) json["verify"] = true;
   return json;
 }

@@ -18,6 +18,7 @@ namespace {
 constexpr size_t kMaskBytes = sizeof(Brick::mask);
 constexpr int kBrickBits = 3;         // log2 of a brick's side in voxels
 constexpr int kTileBitsInBricks = 3;  // log2 of a tile's side in bricks
+constexpr size_t kTileBricks = 512;
 
 template <class... Parts>
 absl::Status Broken(const Parts&... parts) {
@@ -40,13 +41,24 @@ Vec3i TileOf(const Vec3i& brick_ijk) {
   return {brick_ijk[0] >> kTileBitsInBricks, brick_ijk[1] >> kTileBitsInBricks, brick_ijk[2] >> kTileBitsInBricks};
 }
 
-// Adds each brick with its part of the values, `each` for every voxel.
-template <class T>
-void AddValues(const std::vector<Brick>& bricks, std::span<const T> values, size_t each, Digest& digest) {
+// Adds each brick with its part of a field.
+void AddField(const std::vector<Brick>& bricks, const FieldValues& field, Digest& digest) {
+  std::span<const std::byte> values = field.bytes;
   for (const Brick& brick : bricks) {
-    const size_t count = CountVoxels(brick) * each;
-    digest.Add(brick, values.first(count));
-    values = values.subspan(count);
+    const size_t bytes = CountVoxels(brick) * FactsOf(field.field).bytes();
+    digest.Add(brick, values.first(bytes));
+    values = values.subspan(bytes);
+  }
+}
+
+// Appends values whose n-th bytes stand together, for each n in turn.
+void AppendPlanes(std::string_view planes, size_t bytes_of_voxel, std::vector<std::byte>& out) {
+  const size_t voxels = planes.size() / bytes_of_voxel, before = out.size();
+  out.resize(before + planes.size());
+  for (size_t n = 0; n < bytes_of_voxel; ++n) {
+    for (size_t voxel = 0; voxel < voxels; ++voxel) {
+      out[before + voxel * bytes_of_voxel + n] = static_cast<std::byte>(planes[n * voxels + voxel]);
+    }
   }
 }
 
@@ -57,8 +69,8 @@ void AnswerCheck::Tally::Add(const Tally& other) {
   bricks += other.bricks;
   tiles += other.tiles;
   digest.Add(other.digest);
-  values.Add(other.values);
-  attributes.Add(other.attributes);
+  fields.resize(std::max(fields.size(), other.fields.size()));
+  for (size_t n = 0; n < other.fields.size(); ++n) fields[n].Add(other.fields[n]);
 }
 
 void AnswerCheck::BeginStretch() {
@@ -67,6 +79,7 @@ void AnswerCheck::BeginStretch() {
   stretch_accepted_ = false;
   summary_.reset();
   progress_ = 0;
+  tile_continues_ = false;
 }
 
 absl::Status AnswerCheck::Receive(const v1::VoxelizeResponse& answer) {
@@ -118,15 +131,31 @@ absl::Status AnswerCheck::ReceiveBricks(const v1::BrickBatch& message) {
   reported_ = std::max(reported_, progress_);
   const bool packed = !message.packed().empty() || message.packed_bytes() != 0;
   if (absl::Status status = packed ? DecodePacked(message) : DecodeMasks(message); !status.ok()) return status;
-  const uint64_t voxels_before = stretch_.voxels;
+  if (!tile_continues_) {
+    batch_.clear();
+    fields_.assign(request_.fields.size(), {});
+  }
+  batch_.insert(batch_.end(), part_.begin(), part_.end());
+  size_t voxels = 0;
+  for (const Brick& brick : part_) voxels += CountVoxels(brick);
+  if (absl::Status status = ReceiveFields(message, voxels); !status.ok()) return status;
+  tile_continues_ = message.tile_continues();
+  if (!tile_continues_) return PassOn();
+  return batch_.size() <= kTileBricks ? absl::OkStatus() : Broken("a tile of more than ", kTileBricks, " bricks");
+}
+
+// Passes on batch_, which is complete, once it has been checked.
+absl::Status AnswerCheck::PassOn() {
   for (size_t n = 0; n < batch_.size(); ++n) {
     if (auto status = CheckBrick(batch_[n], n == 0 ? nullptr : &batch_[n - 1]); !status.ok()) return status;
   }
-  const uint64_t voxels = stretch_.voxels - voxels_before;
-  if (absl::Status status = ReceiveValues(message.values(), voxels); !status.ok()) return status;
-  if (absl::Status status = ReceiveAttributes(message.attributes(), voxels); !status.ok()) return status;
+  stretch_.fields.resize(fields_.size());
+  for (size_t n = 0; n < fields_.size(); ++n) {
+    if (auto status = CheckValues(fields_[n]); !status.ok()) return status;
+    AddField(batch_, fields_[n], stretch_.fields[n]);
+  }
   if (handlers_.on_bricks) {
-    if (auto status = handlers_.on_bricks({batch_, reported_, values_, attributes_}); !status.ok()) return status;
+    if (auto status = handlers_.on_bricks({batch_, reported_, fields_}); !status.ok()) return status;
   }
   if (!batch_.empty()) resume_after_ = TileOf(batch_.back().brick_ijk);
   return absl::OkStatus();
@@ -136,10 +165,11 @@ absl::Status AnswerCheck::DecodePacked(const v1::BrickBatch& message) {
   if (message.brick_ijk_size() != 0 || !message.masks().empty()) return Broken("a batch of both masks and packed");
   absl::Status status;
   if (message.packed_bytes() != 0) {
-    status = Decompress(message.packed(), message.packed_bytes(), packed_);
-    if (status.ok()) status = UnpackBricks(packed_, batch_);
+    status = Decompress(message.packed(), message.packed_bytes(), kMaxPackedBytes, packed_);
+    if (!status.ok()) return Broken("packed: ", status.message());
+    status = UnpackBricks(packed_, part_);
   } else {
-    status = UnpackBricks(message.packed(), batch_);
+    status = UnpackBricks(message.packed(), part_);
   }
   return status.ok() ? status : Broken(status.message());
 }
@@ -151,9 +181,9 @@ absl::Status AnswerCheck::DecodeMasks(const v1::BrickBatch& message) {
   if (message.masks().size() != count * kMaskBytes) {
     return Broken("masks has ", message.masks().size(), " bytes for ", count, " bricks of ", kMaskBytes);
   }
-  batch_.resize(count);
+  part_.resize(count);
   for (size_t n = 0; n < count; ++n) {
-    Brick& brick = batch_[n];
+    Brick& brick = part_[n];
     for (size_t m = 0; m < 3; ++m) brick.brick_ijk[m] = message.brick_ijk(static_cast<int>(3 * n + m));
     std::memcpy(brick.mask.data(), message.masks().data() + n * kMaskBytes, kMaskBytes);
   }
@@ -187,73 +217,113 @@ absl::Status AnswerCheck::CheckBrick(const Brick& brick, const Brick* previous) 
   return absl::OkStatus();
 }
 
-// `bytes` are the values of batch_, which has been checked, and has `voxels` voxels.
-absl::Status AnswerCheck::ReceiveValues(std::string_view bytes, size_t voxels) {
-  const size_t expected = band_ ? voxels * sizeof(float) : 0;
-  if (bytes.size() != expected) {
-    return Broken("values has ", bytes.size(), " bytes for ", voxels, " voxels", band_ ? "" : " without a band",
-                  ", not ", expected);
+// Appends the fields of part_, which has `voxels` voxels.
+absl::Status AnswerCheck::ReceiveFields(const v1::BrickBatch& message, size_t voxels) {
+  const auto& asked = request_.fields;
+  if (static_cast<size_t>(message.fields_size()) != asked.size()) {
+    return Broken("a batch with ", message.fields_size(), " fields, not ", asked.size());
   }
-  if (!band_) return absl::OkStatus();
-  values_.resize(voxels);
-  if (voxels != 0) std::memcpy(values_.data(), bytes.data(), bytes.size());
-  for (const float value : values_) {
-    if (absl::Status status = CheckValue(value); !status.ok()) return status;
+  for (size_t n = 0; n < asked.size(); ++n) {
+    fields_[n].field = asked[n];
+    auto status = ReceiveField(message.fields(static_cast<int>(n)), voxels, fields_[n]);
+    if (!status.ok()) return status;
   }
-  AddValues<float>(batch_, values_, 1, stretch_.values);
   return absl::OkStatus();
 }
 
-absl::Status AnswerCheck::ReceiveAttributes(std::string_view bytes, size_t voxels) {
-  const size_t numbers = voxels * asked_.size();
-  if (bytes.size() != numbers * sizeof(uint32_t)) {
-    return Broken("attributes has ", bytes.size(), " bytes for ", asked_.size(), " each of ", voxels, " voxels, not ",
-                  numbers * sizeof(uint32_t));
+absl::Status AnswerCheck::ReceiveField(const v1::FieldValues& message, size_t voxels, FieldValues& out) {
+  const size_t each = FactsOf(out.field).bytes(), expected = voxels * each;
+  const size_t found = message.plain_bytes() != 0 ? message.plain_bytes() : message.values().size();
+  if (found != expected) {
+    return Broken("the field ", NameOf(out.field), " has ", found, " bytes for ", voxels, " voxels, not ", expected);
   }
-  attributes_.resize(numbers);
-  if (numbers == 0) return absl::OkStatus();
-  std::memcpy(attributes_.data(), bytes.data(), bytes.size());
-  for (size_t n = 0; n < numbers; ++n) {
-    const uint32_t largest = asked_[n % asked_.size()] == Attribute::kColor ? 0xFFFFFF : 0x7FFFFFFF;
-    if (attributes_[n] > largest) return Broken("an attribute of ", attributes_[n], ", more than ", largest);
+  if (message.plain_bytes() != 0) {
+    absl::Status status = Decompress(message.values(), message.plain_bytes(), kMaxFieldBytes, packed_);
+    if (!status.ok()) return Broken("the field ", NameOf(out.field), ": ", status.message());
+    AppendPlanes(packed_, each, out.bytes);
+    return absl::OkStatus();
   }
-  AddValues<uint32_t>(batch_, attributes_, asked_.size(), stretch_.attributes);
+  const auto* const bytes = reinterpret_cast<const std::byte*>(message.values().data());
+  out.bytes.insert(out.bytes.end(), bytes, bytes + expected);
   return absl::OkStatus();
 }
 
 // Negated comparisons, to find NaN.
-absl::Status AnswerCheck::CheckValue(float value) const {
-  const double width = std::min(BandWidth(), double{std::numeric_limits<float>::max()});
-  if (!(std::abs(value) <= static_cast<float>(width))) {
-    return Broken("a distance of ", value, " in a band of ", width);
+absl::Status AnswerCheck::CheckValues(const FieldValues& field) const {
+  const auto check = [&](auto of_type, auto&& is_good) {
+    for (const auto number : field.As<decltype(of_type)>()) {
+      if (!is_good(number)) return Broken("the field ", NameOf(field.field), " has the value ", number);
+    }
+    return absl::OkStatus();
+  };
+  switch (field.field) {
+    case Field::kPart:
+    case Field::kMaterial:
+      return check(uint32_t{}, [](uint32_t number) { return number <= 0x7FFFFFFF; });
+    case Field::kTriangle:
+      return check(uint32_t{}, [this](uint32_t number) { return number < accepted_->mesh.triangles; });
+    case Field::kPoint:
+      return check(float{}, [](float weight) { return weight >= 0 && weight <= 1; });
+    case Field::kNormal:
+      return check(float{}, [](float component) { return std::abs(component) <= 1; });
+    case Field::kDistance:
+      for (const float distance : field.As<float>()) {
+        if (absl::Status status = CheckDistance(distance); !status.ok()) return status;
+      }
+      return absl::OkStatus();
+    case Field::kColor:
+      break;  // any bytes
   }
-  if (std::signbit(value) && !(band_->is_signed && value < 0)) {
-    return Broken("a distance of ", value, " in ", band_->is_signed ? "a signed band" : "a band without signs");
+  return absl::OkStatus();
+}
+
+absl::Status AnswerCheck::CheckDistance(float distance) const {
+  if (!std::isfinite(distance)) return Broken("a distance of ", distance);
+  if (band() != nullptr) {
+    const double width = std::min(BandWidth(), double{std::numeric_limits<float>::max()});
+    if (std::abs(distance) > static_cast<float>(width))
+      return Broken("a distance of ", distance, " in a band of ", width);
+  }
+  if (std::signbit(distance) && !(request_.signed_distance && distance < 0)) {
+    return Broken("a distance of ", distance, request_.signed_distance ? "" : " without signs");
   }
   return absl::OkStatus();
 }
 
 double AnswerCheck::BandWidth() const {
-  return band_->in_voxels ? band_->width * accepted_->grid.voxel_size : band_->width;
+  return band()->in_voxels ? band()->width * accepted_->grid.voxel_size : band()->width;
 }
 
-// Checks the certificate's facts about the band.
-absl::Status AnswerCheck::CheckBand(const std::optional<BandCertificate>& band) const {
-  if (!band_ && !band) return absl::OkStatus();
-  if (!band_ || !band) return Broken("a certificate ", band ? "of a band" : "without a band");
-  if (band->width != BandWidth() || band->is_signed != band_->is_signed) {
-    return Broken("a band of ", band->width, ", ", band->is_signed ? "" : "not ", "signed, instead of ", BandWidth());
+// Checks the certificate's facts about the set.
+absl::Status AnswerCheck::CheckSet(const Certificate& certificate) const {
+  if (certificate.set != NameOf(request_.set)) {
+    return Broken("the set ", certificate.set, " instead of ", NameOf(request_.set));
   }
-  if (band->digest == stretch_.values.ToHex()) return absl::OkStatus();
-  return Broken("band's digest ", band->digest, ", the values' is ", stretch_.values.ToHex());
+  if (certificate.band.has_value() != (band() != nullptr)) {
+    return Broken("a certificate ", certificate.band ? "of a band" : "without a band");
+  }
+  if (certificate.band && certificate.band->width != BandWidth()) {
+    return Broken("a band of ", certificate.band->width, " instead of ", BandWidth());
+  }
+  return absl::OkStatus();
 }
 
-absl::Status AnswerCheck::CheckAttributes(const std::optional<AttributeCertificate>& certificate) const {
-  if (asked_ != (certificate ? certificate->attributes : std::vector<Attribute>())) {
-    return Broken("a certificate of other attributes than were asked for");
+// Checks the certificate's digests of fields.
+absl::Status AnswerCheck::CheckFields(const Certificate& certificate) const {
+  const auto field_of = [](const FieldCertificate& field) { return field.field; };
+  if (!std::ranges::equal(certificate.fields, request_.fields, {}, field_of)) {
+    return Broken("a certificate of other fields than were asked for");
   }
-  if (!certificate || certificate->digest == stretch_.attributes.ToHex()) return absl::OkStatus();
-  return Broken("attributes' digest ", certificate->digest, ", theirs is ", stretch_.attributes.ToHex());
+  if (certificate.signed_distance != request_.signed_distance) {
+    return Broken("a certificate of distances ", certificate.signed_distance ? "with" : "without", " signs");
+  }
+  for (size_t n = 0; n < certificate.fields.size(); ++n) {
+    const std::string found = (n < stretch_.fields.size() ? stretch_.fields[n] : Digest()).ToHex();
+    if (certificate.fields[n].digest == found) continue;
+    return Broken("the digest of the field ", NameOf(certificate.fields[n].field), " is ", certificate.fields[n].digest,
+                  ", that of its values ", found);
+  }
+  return absl::OkStatus();
 }
 
 absl::Status AnswerCheck::ReceiveSummary(const v1::Summary& message) {
@@ -269,8 +339,9 @@ absl::Status AnswerCheck::ReceiveSummary(const v1::Summary& message) {
   if (summary.certificate.digest != stretch_.digest.ToHex()) {
     return Broken("digest ", summary.certificate.digest, ", the bricks' is ", stretch_.digest.ToHex());
   }
-  status = CheckBand(summary.certificate.band);
-  status.Update(CheckAttributes(summary.certificate.attributes));
+  if (tile_continues_) return Broken("a summary before the end of a tile");
+  status = CheckSet(summary.certificate);
+  status.Update(CheckFields(summary.certificate));
   if (!status.ok()) return status;
   Tally all = before_;
   all.Add(stretch_);
@@ -278,8 +349,7 @@ absl::Status AnswerCheck::ReceiveSummary(const v1::Summary& message) {
   summary.bricks = all.bricks;
   summary.tiles = all.tiles;
   summary.certificate.digest = all.digest.ToHex();
-  if (band_) summary.certificate.band->digest = all.values.ToHex();
-  if (summary.certificate.attributes) summary.certificate.attributes->digest = all.attributes.ToHex();
+  for (size_t n = 0; n < all.fields.size(); ++n) summary.certificate.fields[n].digest = all.fields[n].ToHex();
   summary_ = summary;
   return absl::OkStatus();
 }

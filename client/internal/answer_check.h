@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
 
 #include "absl/container/flat_hash_set.h"
@@ -17,13 +18,13 @@
 namespace latvox::client {
 
 // The answers of one Voxelize call, checked in order. They come from one stream, or from several; each later stream was
-// asked to continue after resume_after(). Memory: one batch and 12 bytes for each tile seen.
+// asked to continue after resume_after(). Memory: one batch, which
+// may be a tile that came in parts, and 12 bytes for each tile seen.
 class AnswerCheck {
  public:
-  // `mesh_bytes` is the length of the mesh; 0: not known. `band` and `attributes` are those of the request.
-  AnswerCheck(const VoxelizeHandlers& handlers, uint64_t mesh_bytes, const std::optional<Band>& band = std::nullopt,
-              const std::vector<Attribute>& attributes = {})
-      : handlers_(handlers), mesh_bytes_(mesh_bytes), band_(band), asked_(attributes) {}
+  // `mesh_bytes` is the length of the mesh; 0: not known. `request` must outlive this.
+  AnswerCheck(const VoxelizeHandlers& handlers, uint64_t mesh_bytes, const VoxelizeRequest& request)
+      : handlers_(handlers), mesh_bytes_(mesh_bytes), request_(request) {}
 
   // Begins a new stream. Not necessary before the first one.
   void BeginStretch();
@@ -46,30 +47,33 @@ class AnswerCheck {
   absl::Status ReceiveBricks(const v1::BrickBatch& message);
   absl::Status DecodeMasks(const v1::BrickBatch& message);
   absl::Status DecodePacked(const v1::BrickBatch& message);
-  absl::Status ReceiveValues(std::string_view bytes, size_t voxels);
-  absl::Status ReceiveAttributes(std::string_view bytes, size_t voxels);
-  absl::Status CheckValue(float value) const;
+  absl::Status ReceiveFields(const v1::BrickBatch& message, size_t voxels);
+  absl::Status ReceiveField(const v1::FieldValues& message, size_t voxels, FieldValues& out);
+  absl::Status PassOn();
+  absl::Status CheckValues(const FieldValues& field) const;
+  absl::Status CheckDistance(float distance) const;
   absl::Status ReceiveSummary(const v1::Summary& message);
-  absl::Status CheckBand(const std::optional<BandCertificate>& band) const;
-  absl::Status CheckAttributes(const std::optional<AttributeCertificate>& certificate) const;
+  absl::Status CheckSet(const Certificate& certificate) const;
+  absl::Status CheckFields(const Certificate& certificate) const;
+  const Band* band() const { return std::get_if<Band>(&request_.set); }
   double BandWidth() const;
   absl::Status CheckBrick(const Brick& brick, const Brick* previous);
 
   const VoxelizeHandlers& handlers_;
   const uint64_t mesh_bytes_;
-  const std::optional<Band> band_;
-  const std::vector<Attribute> asked_;
+  const VoxelizeRequest& request_;
   std::optional<Accepted> accepted_;
   std::optional<Summary> summary_;
   std::optional<Vec3i> resume_after_;
-  std::vector<Brick> batch_;
-  std::vector<float> values_;         // of batch_
-  std::vector<uint32_t> attributes_;  // of batch_
+  std::vector<Brick> batch_, part_;   // whole tiles, and the last message's bricks
+  std::vector<FieldValues> fields_;   // of batch_
+  bool tile_continues_ = false;       // batch_ lacks the rest of its tile
   std::string packed_;                // of the last batch that was a zstd frame
   absl::flat_hash_set<Vec3i> tiles_;  // all tiles with earlier bricks
   struct Tally {
     uint64_t voxels = 0, bricks = 0, tiles = 0;
-    Digest digest, values, attributes;
+    Digest digest;
+    std::vector<Digest> fields;  // of voxels and each field
     void Add(const Tally& other);
   };
   Tally before_, stretch_;              // of the streams before this one, and of this one

@@ -251,15 +251,13 @@ absl::Status UnpackBricks(std::string_view packed, std::vector<Brick>& bricks, U
   return absl::OkStatus();
 }
 
-absl::Status Decompress(std::string_view frame, size_t packed_bytes, std::string& packed) {
-  if (packed_bytes > kMaxPackedBytes) {
-    return absl::InvalidArgumentError(absl::StrCat("packed_bytes ", packed_bytes, " exceeds ", kMaxPackedBytes));
-  }
-  packed.resize(packed_bytes);
-  const size_t size = ZSTD_decompress(packed.data(), packed.size(), frame.data(), frame.size());
-  if (ZSTD_isError(size)) return absl::InvalidArgumentError(absl::StrCat("packed: zstd: ", ZSTD_getErrorName(size)));
-  if (size != packed_bytes) {
-    return absl::InvalidArgumentError(absl::StrCat("packed decompresses to ", size, " bytes, not ", packed_bytes));
+absl::Status Decompress(std::string_view frame, size_t plain_bytes, size_t most, std::string& plain) {
+  if (plain_bytes > most) return absl::InvalidArgumentError(absl::StrCat(plain_bytes, " bytes exceed ", most));
+  plain.resize(plain_bytes);
+  const size_t size = ZSTD_decompress(plain.data(), plain.size(), frame.data(), frame.size());
+  if (ZSTD_isError(size)) return absl::InvalidArgumentError(absl::StrCat("zstd: ", ZSTD_getErrorName(size)));
+  if (size != plain_bytes) {
+    return absl::InvalidArgumentError(absl::StrCat("decompresses to ", size, " bytes, not ", plain_bytes));
   }
   return absl::OkStatus();
 }

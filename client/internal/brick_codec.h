@@ -15,6 +15,7 @@ namespace latvox::client {
 // The protocol's limits of one batch.
 inline constexpr size_t kMaxPackedBytes = size_t{1} << 20;
 inline constexpr size_t kMaxBatchBricks = 32768;
+inline constexpr size_t kMaxFieldBytes = 3670016;  // of all fields together
 
 // Ways to scatter the bytes of an octree. All give the same bricks.
 enum class UnpackKernel { kPortable, kSsse3 };
@@ -28,9 +29,9 @@ UnpackKernel BestUnpackKernel();
 absl::Status UnpackBricks(std::string_view packed, std::vector<Brick>& bricks,
                           UnpackKernel kernel = BestUnpackKernel());
 
-// Decompresses one zstd frame, which may be anything, to `packed` with `packed_bytes` bytes. Memory: packed_bytes and
-// zstd's fixed tables. Errors: INVALID_ARGUMENT naming the fault.
-absl::Status Decompress(std::string_view frame, size_t packed_bytes, std::string& packed);
+// Decompresses one zstd frame, which may be anything, to `plain` with `plain_bytes` bytes, at most `most`. Memory:
+// plain_bytes and zstd's fixed tables. Errors: INVALID_ARGUMENT naming the fault.
+absl::Status Decompress(std::string_view frame, size_t plain_bytes, size_t most, std::string& plain);
 
 }  // namespace latvox::client
 

@@ -31,8 +31,7 @@ class LATVOX_HIDDEN BrickStream::State {
   struct Batch {
     std::vector<Brick> bricks;  // kept from turn to turn, to reuse its memory
     double progress = 0;
-    std::vector<float> values;         // kept in the same way
-    std::vector<uint32_t> attributes;  // and these
+    std::vector<FieldValues> fields;  // kept in the same way
   };
 
   void Run(const Call& call, CallOptions options);
@@ -104,11 +103,10 @@ absl::Status BrickStream::State::Offer(const BrickBatch& batch) {
   }
   // No other thread looks at this place, or writes offered_.
   Batch& place = ring_[offered_ % ring_.size()];
-  const auto& [bricks, progress, values, attributes] = batch;  // all members of a batch
+  const auto& [bricks, progress, fields] = batch;  // all members of a batch
   place.bricks.assign(bricks.begin(), bricks.end());
   place.progress = progress;
-  place.values.assign(values.begin(), values.end());
-  place.attributes.assign(attributes.begin(), attributes.end());
+  place.fields.assign(fields.begin(), fields.end());
   const std::lock_guard lock(mutex_);
   ++offered_;
   changed_.notify_all();
@@ -134,7 +132,7 @@ absl::StatusOr<std::optional<BrickBatch>> BrickStream::State::Next() {
   const Batch& batch = ring_[taken_ % ring_.size()];
   ++taken_;
   changed_.notify_all();
-  return BrickBatch{batch.bricks, batch.progress, batch.values, batch.attributes};
+  return BrickBatch{batch.bricks, batch.progress, batch.fields};
 }
 
 std::optional<Summary> BrickStream::State::summary() const {

@@ -19,12 +19,15 @@ template <class Mesh>
 absl::StatusOr<Voxelization> Gather(const Client& client, const VoxelizeRequest& request, const Mesh& mesh,
                                     const CallOptions& options) {
   Voxelization all;
+  for (const Field field : request.fields) all.fields.push_back({field, {}});
   const auto accept = [&all](const Accepted& accepted) { return all.accepted = accepted, absl::OkStatus(); };
   const auto take = [&all](const BrickBatch& batch) {
-    const auto& [bricks, progress, values, attributes] = batch;  // all members of a batch
+    const auto& [bricks, progress, fields] = batch;  // all members of a batch
     all.bricks.insert(all.bricks.end(), bricks.begin(), bricks.end());
-    all.values.insert(all.values.end(), values.begin(), values.end());
-    all.attributes.insert(all.attributes.end(), attributes.begin(), attributes.end());
+    for (size_t n = 0; n < fields.size(); ++n) {
+      std::vector<std::byte>& bytes = all.fields[n].bytes;
+      bytes.insert(bytes.end(), fields[n].bytes.begin(), fields[n].bytes.end());
+    }
     return absl::OkStatus();
   };
   absl::StatusOr<Summary> summary = client.Voxelize(request, mesh, {.on_accepted = accept, .on_bricks = take}, options);

@@ -55,20 +55,30 @@ absl::StatusOr<DenseVoxels> Shaped(const IndexBox& box, uint64_t most_points) {
   return dense;
 }
 
+// Returns values for points that are no voxels. Throws std::bad_alloc.
+FieldValues Empty(Field field, size_t points) {
+  FieldValues values{field, {}};
+  const FieldFacts& facts = FactsOf(field);
+  values.bytes.resize(points * facts.bytes());
+  if (facts.type != NumberType::kFloat32) return values;
+  auto* const numbers = reinterpret_cast<float*>(values.bytes.data());
+  std::fill_n(numbers, points * facts.components, std::numeric_limits<float>::quiet_NaN());
+  return values;
+}
+
 // Fills the array. Throws std::bad_alloc.
 void Fill(const BrickBatch& all, DenseVoxels& dense) {
   const size_t points = dense.shape[0] * dense.shape[1] * dense.shape[2];
-  dense.attributes_per_voxel = AttributesPerVoxel(all);
   dense.voxels.resize(points);
-  if (!all.values.empty()) dense.distances.resize(points, std::numeric_limits<float>::quiet_NaN());
-  dense.attributes.resize(points * dense.attributes_per_voxel);
-  ForEachVoxel(all, [&dense](const Voxel& voxel) {
+  for (const FieldValues& values : all.fields) dense.fields.push_back(Empty(values.field, points));
+  ForEachVoxel(all, [&](const Voxel& voxel) {
     if (!Contains(dense.box, voxel.ijk)) return;
     const size_t n = dense.IndexOf(voxel.ijk);
     dense.voxels[n] = 1;
-    if (voxel.distance) dense.distances[n] = *voxel.distance;
-    std::copy(voxel.attributes.begin(), voxel.attributes.end(),
-              dense.attributes.begin() + static_cast<std::ptrdiff_t>(n * dense.attributes_per_voxel));
+    for (size_t f = 0; f < all.fields.size(); ++f) {
+      const size_t bytes = FactsOf(all.fields[f].field).bytes();
+      std::copy_n(&all.fields[f].bytes[voxel.number * bytes], bytes, &dense.fields[f].bytes[n * bytes]);
+    }
   });
 }
 
@@ -91,8 +101,7 @@ absl::StatusOr<DenseVoxels> ToDense(std::span<const Brick> bricks, const IndexBo
 }
 
 absl::StatusOr<DenseVoxels> ToDense(const Voxelization& all, const IndexBox& box, uint64_t most_points) {
-  return ToDense(BrickBatch{.bricks = all.bricks, .values = all.values, .attributes = all.attributes}, box,
-                 most_points);
+  return ToDense(BrickBatch{.bricks = all.bricks, .fields = all.fields}, box, most_points);
 }
 
 absl::StatusOr<DenseVoxels> ToDense(const Voxelization& all, uint64_t most_points) {

@@ -3,29 +3,29 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
+#include <algorithm>
 #include <bit>
 #include <cstdio>
 #include <cstring>
 
 namespace latvox::client {
+namespace {
+
+constexpr size_t kMostFieldBytes = std::ranges::max(kFields, {}, &FieldFacts::bytes).bytes();
+
+}  // namespace
 
 // Brick's words are copied to and from the wire without conversion.
 static_assert(std::endian::native == std::endian::little, "bricks are little-endian on the wire");
 
-void Digest::Add(const Brick& brick, std::span<const float> values) { Add(brick, values.data(), values.size_bytes()); }
-
-void Digest::Add(const Brick& brick, std::span<const uint32_t> attributes) {
-  Add(brick, attributes.data(), attributes.size_bytes());
-}
-
-void Digest::Add(const Brick& brick, const void* values, size_t bytes) {
+void Digest::Add(const Brick& brick, std::span<const std::byte> values) {
   constexpr size_t kIjkBytes = sizeof(brick.brick_ijk), kMaskBytes = sizeof(brick.mask);
   static_assert(kIjkBytes + kMaskBytes == 76);
-  char hashed[kIjkBytes + kMaskBytes + 3 * 512 * sizeof(uint32_t)];
+  char hashed[kIjkBytes + kMaskBytes + 512 * kMostFieldBytes];
   std::memcpy(hashed, brick.brick_ijk.data(), kIjkBytes);
   std::memcpy(hashed + kIjkBytes, brick.mask.data(), kMaskBytes);
-  if (bytes != 0) std::memcpy(hashed + kIjkBytes + kMaskBytes, values, bytes);
-  const XXH128_hash_t hash = XXH3_128bits(hashed, kIjkBytes + kMaskBytes + bytes);
+  if (!values.empty()) std::memcpy(hashed + kIjkBytes + kMaskBytes, values.data(), values.size());
+  const XXH128_hash_t hash = XXH3_128bits(hashed, kIjkBytes + kMaskBytes + values.size());
   Add(hash.high64, hash.low64);
 }
 

@@ -79,7 +79,7 @@ Warning EmptyWhole(const Accepted& accepted, const Certificate& certificate) {
     return {"EMPTY_RESULT", absl::StrCat("no lattice point lies within ", band->width, " of the mesh"), "band"};
   }
   if (const auto& solid = certificate.solid) {
-    return {"EMPTY_RESULT", WhyNothingIsInside(*solid, accepted.grid), "fill"};
+    return {"EMPTY_RESULT", WhyNothingIsInside(*solid, accepted.grid), "solid"};
   }
   return {"EMPTY_RESULT",
           absl::StrCat("the mesh crosses no step between neighboring lattice points (voxel size ",

@@ -2,8 +2,6 @@
 
 #include <utility>
 
-#include "absl/strings/str_cat.h"
-#include "client/internal/printable.h"
 #include "client/internal/result_warnings.h"
 #include "client/internal/voxelize_stream.h"
 #include "client/internal/wire.h"
@@ -19,7 +17,7 @@ VoxelizeCall::VoxelizeCall(Connection& connection, const VoxelizeRequest& reques
       drc_(drc),
       handlers_(handlers),
       options_(options),
-      check_(handlers, mesh.bytes, request.band, request.attributes),
+      check_(handlers, mesh.bytes, request_),
       tries_(connection, options, drc ? nullptr : &mesh) {}
 
 absl::StatusOr<Summary> VoxelizeCall::Run() {
@@ -32,10 +30,6 @@ absl::StatusOr<Summary> VoxelizeCall::Run() {
     if (absl::Status status = tries_.Again(end); !status.ok()) return status;
   }
   absl::StatusOr<Summary> summary = check_.End();
-  if (summary.ok() && request_.cover == Cover::kSupercover && summary->certificate.cover != "supercover") {
-    return absl::UnimplementedError(absl::StrCat("cover: the server, version ", Printable(summary->certificate.version),
-                                                 ", does not know supercovers and sent a separating set"));
-  }
   if (summary.ok()) {
     summary->resumed = resumed_;
     summary->bytes_sent = bytes_sent_;

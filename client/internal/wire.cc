@@ -1,5 +1,7 @@
 #include "client/internal/wire.h"
 
+#include <variant>
+
 #include "client/internal/printable.h"
 #include "latvox/error.h"
 
@@ -43,16 +45,6 @@ v1::Algorithm ToProto(Algorithm algorithm) {
   return v1::ALGORITHM_UNSPECIFIED;
 }
 
-v1::Cover ToProto(Cover cover) {
-  switch (cover) {
-    case Cover::kSeparating:
-      return v1::COVER_SEPARATING;
-    case Cover::kSupercover:
-      return v1::COVER_SUPERCOVER;
-  }
-  return v1::COVER_UNSPECIFIED;
-}
-
 v1::BrickEncoding ToProto(BrickEncoding encoding) {
   switch (encoding) {
     case BrickEncoding::kMasks:
@@ -79,51 +71,45 @@ v1::InteriorRule ToProto(InteriorRule rule) {
   return v1::INTERIOR_RULE_UNSPECIFIED;
 }
 
-v1::Fill ToProto(const Solid& solid) {
-  v1::Fill fill;
-  fill.set_mode(v1::FILL_MODE_SOLID);
-  fill.set_rule(ToProto(solid.rule));
-  fill.set_surface(solid.surface);
-  fill.set_force_open(solid.force_open);
-  return fill;
-}
-
-std::optional<SolidFacts> SolidFactsOf(const v1::Certificate& certificate) {
-  if (!certificate.has_fill()) return std::nullopt;
-  const v1::FillFacts& fill = certificate.fill();
-  return SolidFacts{fill.rule(), fill.surface(), fill.unbalanced_lines()};
-}
-
-v1::Band ToProto(const Band& band) {
-  v1::Band out;
-  band.in_voxels ? out.set_voxels(band.width) : out.set_width(band.width);
-  out.set_is_signed(band.is_signed);
-  return out;
-}
-
-BandCertificate FromProto(const v1::BandCertificate& band) { return {band.width(), band.is_signed(), band.digest()}; }
-
-v1::Attribute ToProto(Attribute attribute) {
-  switch (attribute) {
-    case Attribute::kPart:
-      return v1::ATTRIBUTE_PART;
-    case Attribute::kMaterial:
-      return v1::ATTRIBUTE_MATERIAL;
-    case Attribute::kColor:
-      return v1::ATTRIBUTE_COLOR;
+v1::SolidSurface ToProto(SolidSurface surface) {
+  switch (surface) {
+    case SolidSurface::kSeparating:
+      return v1::SOLID_SURFACE_SEPARATING;
+    case SolidSurface::kSupercover:
+      return v1::SOLID_SURFACE_SUPERCOVER;
+    case SolidSurface::kNone:
+      return v1::SOLID_SURFACE_NONE;
   }
-  return v1::ATTRIBUTE_UNSPECIFIED;
+  return v1::SOLID_SURFACE_UNSPECIFIED;
 }
 
-// Unknown attributes are left out.
-AttributeCertificate FromProto(const v1::AttributeCertificate& certificate) {
-  AttributeCertificate out{{}, certificate.digest()};
-  for (const int number : certificate.attributes()) {
-    for (const Attribute attribute : {Attribute::kPart, Attribute::kMaterial, Attribute::kColor}) {
-      if (number == ToProto(attribute)) out.attributes.push_back(attribute);
+void SetToProto(const Surface&, v1::VoxelizeSpec& spec) { spec.mutable_surface(); }
+void SetToProto(const Supercover&, v1::VoxelizeSpec& spec) { spec.mutable_supercover(); }
+
+void SetToProto(const Solid& solid, v1::VoxelizeSpec& spec) {
+  v1::Solid& out = *spec.mutable_solid();
+  out.set_rule(ToProto(solid.rule));
+  out.set_surface(ToProto(solid.surface));
+  out.set_force_open(solid.force_open);
+}
+
+void SetToProto(const Band& band, v1::VoxelizeSpec& spec) {
+  band.in_voxels ? spec.mutable_band()->set_voxels(band.width) : spec.mutable_band()->set_width(band.width);
+}
+
+// The protocol's numbers are those of our enumeration, from 1.
+static_assert(v1::Field_MAX == kFields.size());
+v1::Field ToProto(Field field) { return static_cast<v1::Field>(static_cast<int>(field) + 1); }
+
+// Unknown fields are left out.
+std::vector<FieldCertificate> FieldsOf(const v1::Certificate& certificate) {
+  std::vector<FieldCertificate> fields;
+  for (const v1::FieldCertificate& field : certificate.fields()) {
+    for (const FieldFacts& row : kFields) {
+      if (field.field() == ToProto(row.field)) fields.push_back({row.field, field.digest()});
     }
   }
-  return out;
+  return fields;
 }
 
 MeshFacts FromProto(const v1::MeshFacts& mesh) {
@@ -138,26 +124,28 @@ MeshFacts FromProto(const v1::MeshFacts& mesh) {
 }
 
 Certificate FromProto(const v1::Certificate& certificate) {
-  return {
-      .lattice = certificate.lattice(),
-      .separability = certificate.separability(),
-      .tunnel_free = certificate.tunnel_free(),
-      .minimal = certificate.minimal(),
-      .verified = certificate.verified(),
-      .tunnels = certificate.tunnels(),
-      .redundant = certificate.redundant(),
-      .closed = certificate.closed(),
-      .snap_error_max = certificate.snap_error_max(),
-      .quantization_bits = certificate.quantization_bits(),
-      .algorithm = certificate.algorithm(),
-      .version = certificate.version(),
-      .digest = certificate.digest(),
-      .shard = certificate.has_shard() ? std::optional<Shard>(FromProto(certificate.shard())) : std::nullopt,
-      .solid = SolidFactsOf(certificate),
-      .cover = certificate.cover(),
-      .band = certificate.has_band() ? std::optional(FromProto(certificate.band())) : std::nullopt,
-      .attributes = certificate.has_attributes() ? std::optional(FromProto(certificate.attributes())) : std::nullopt,
-      .whole_minimal = certificate.whole_minimal()};
+  return {.lattice = certificate.lattice(),
+          .separability = certificate.separability(),
+          .tunnel_free = certificate.tunnel_free(),
+          .minimal = certificate.minimal(),
+          .verified = certificate.verified(),
+          .tunnels = certificate.tunnels(),
+          .redundant = certificate.redundant(),
+          .closed = certificate.closed(),
+          .snap_error_max = certificate.snap_error_max(),
+          .quantization_bits = certificate.quantization_bits(),
+          .algorithm = certificate.algorithm(),
+          .version = certificate.version(),
+          .digest = certificate.digest(),
+          .shard = certificate.has_shard() ? std::optional<Shard>(FromProto(certificate.shard())) : std::nullopt,
+          .set = certificate.set(),
+          .solid = certificate.has_solid()
+                       ? std::optional(SolidFacts{certificate.solid().rule(), certificate.solid().unbalanced_lines()})
+                       : std::nullopt,
+          .band = certificate.has_band() ? std::optional(BandFacts{certificate.band().width()}) : std::nullopt,
+          .fields = FieldsOf(certificate),
+          .signed_distance = certificate.signed_distance(),
+          .whole_minimal = certificate.whole_minimal()};
 }
 
 v1::RawMesh ToProto(const RawMeshLayout& layout) {
@@ -165,7 +153,7 @@ v1::RawMesh ToProto(const RawMeshLayout& layout) {
   raw.set_vertices(layout.vertices);
   raw.set_triangles(layout.triangles);
   raw.set_positions(layout.has_doubles ? v1::POSITION_TYPE_FLOAT64 : v1::POSITION_TYPE_FLOAT32);
-  for (const Attribute attribute : layout.attributes) raw.add_attributes(ToProto(attribute));
+  for (const Field field : layout.fields) raw.add_fields(ToProto(field));
   return raw;
 }
 
@@ -201,15 +189,14 @@ v1::VoxelizeSpec ToProto(const VoxelizeRequest& request, const MeshId& mesh, con
     spec.mutable_shard()->set_count(request.shard->count);
   }
   if (resume_after) *spec.mutable_resume_after() = ToProto(*resume_after);
-  if (request.solid) *spec.mutable_fill() = ToProto(*request.solid);
+  std::visit([&spec](const auto& set) { SetToProto(set, spec); }, request.set);
   spec.set_algorithm(ToProto(request.algorithm));
-  spec.set_cover(ToProto(request.cover));
   spec.set_encoding(ToProto(request.encoding));
-  if (request.band) *spec.mutable_band() = ToProto(*request.band);
   if (request.placement) {
     spec.set_placement(*request.placement == Placement::kCells ? v1::PLACEMENT_CELLS : v1::PLACEMENT_POINTS);
   }
-  for (const Attribute attribute : request.attributes) spec.add_attributes(ToProto(attribute));
+  for (const Field field : request.fields) spec.add_fields(ToProto(field));
+  spec.set_signed_distance(request.signed_distance);
   if (request.raw_mesh) *spec.mutable_raw_mesh() = ToProto(*request.raw_mesh);
   return spec;
 }

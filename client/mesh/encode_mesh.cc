@@ -79,10 +79,10 @@ absl::Status CopyAttributes(const TriangleMesh& from, Mesh& mesh) {
   return absl::OkStatus();
 }
 
-absl::Status CheckAttributes(const std::vector<Attribute>& attributes, const Mesh& mesh) {
+absl::Status CheckAttributes(const std::vector<Field>& attributes, const Mesh& mesh) {
   for (auto attribute = attributes.begin(); attribute != attributes.end(); ++attribute) {
     if (std::find(attributes.begin(), attribute, *attribute) != attribute) {
-      return Wrong("attributes: ", NameOf(*attribute), " is named twice");
+      return Wrong("fields: ", NameOf(*attribute), " is named twice");
     }
   }
   return CheckHas(attributes, mesh);
@@ -104,7 +104,7 @@ absl::StatusOr<std::string> EncodeMesh(std::span<const std::array<float, 3>> pos
   return BytesOf(EncodeMesh(mesh, quantization_bits));
 }
 
-absl::StatusOr<RawMesh> EncodeRawMesh(const TriangleMesh& mesh, const std::vector<Attribute>& attributes) {
+absl::StatusOr<RawMesh> EncodeRawMesh(const TriangleMesh& mesh, const std::vector<Field>& attributes) {
   Mesh copy;
   for (size_t p = 0; p < mesh.positions.size(); ++p) {
     for (const double x : mesh.positions[p]) {
@@ -125,8 +125,8 @@ absl::StatusOr<std::string> EncodeMesh(const TriangleMesh& mesh, const EncodeOpt
   if (absl::Status status = CopyPositions<double>(mesh.positions, copy); !status.ok()) return status;
   if (absl::Status status = CopyTriangles(mesh.triangles, copy); !status.ok()) return status;
   if (absl::Status status = CopyAttributes(mesh, copy); !status.ok()) return status;
-  if (absl::Status status = CheckAttributes(options.attributes, copy); !status.ok()) return status;
-  return BytesOf(EncodeMesh(copy, options.quantization_bits, options.attributes));
+  if (absl::Status status = CheckAttributes(options.fields, copy); !status.ok()) return status;
+  return BytesOf(EncodeMesh(copy, options.quantization_bits, options.fields));
 }
 
 }  // namespace latvox::client

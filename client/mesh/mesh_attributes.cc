@@ -10,18 +10,19 @@
 namespace latvox::client {
 namespace {
 
-bool Has(const Mesh& mesh, Attribute attribute) {
+bool Has(const Mesh& mesh, Field attribute) {
   const auto has_material = [](const Stretch& stretch) { return stretch.material.has_value(); };
   switch (attribute) {
-    case Attribute::kPart:
+    case Field::kPart:
       return true;
-    case Attribute::kMaterial:
+    case Field::kMaterial:
       return !mesh.stretches.empty() && mesh.stretches[0].first == 0 &&
              std::all_of(mesh.stretches.begin(), mesh.stretches.end(), has_material);
-    case Attribute::kColor:
+    case Field::kColor:
       return mesh.colors.size() == mesh.positions.size();
+    default:
+      return false;
   }
-  return false;
 }
 
 }  // namespace
@@ -78,26 +79,26 @@ void ColorCorners(const std::vector<std::array<Color, 3>>& colors, Mesh& mesh) {
   }
 }
 
-absl::Status CheckHas(const std::vector<Attribute>& attributes, const Mesh& mesh) {
-  for (const Attribute attribute : attributes) {
+absl::Status CheckHas(const std::vector<Field>& attributes, const Mesh& mesh) {
+  for (const Field attribute : attributes) {
     if (Has(mesh, attribute)) continue;
-    const bool why = attribute == Attribute::kColor && !mesh.no_color.empty();
+    const bool why = attribute == Field::kColor && !mesh.no_color.empty();
     return absl::InvalidArgumentError(absl::StrCat("the mesh, or some of it, has no ", NameOf(attribute),
                                                    why ? absl::StrCat(" (", mesh.no_color, ")") : ""));
   }
   return absl::OkStatus();
 }
 
-uint32_t AttributeNumbers::At(size_t triangle, uint32_t vertex, Attribute attribute) {
+uint32_t AttributeNumbers::At(size_t triangle, uint32_t vertex, Field attribute) {
   while (next_ < mesh_.stretches.size() && mesh_.stretches[next_].first <= triangle) ++next_;
   static const Stretch kAll;
   const Stretch& stretch = next_ > 0 ? mesh_.stretches[next_ - 1] : kAll;
   switch (attribute) {
-    case Attribute::kPart:
+    case Field::kPart:
       return stretch.part;
-    case Attribute::kMaterial:
+    case Field::kMaterial:
       return stretch.material ? *stretch.material : 0;
-    case Attribute::kColor:
+    default:  // color
       break;
   }
   const Color& color = mesh_.colors[vertex];

@@ -33,15 +33,15 @@ void SetName(uint32_t number, std::string name, std::vector<std::string>& names)
 
 // Returns INVALID_ARGUMENT naming the first attribute that some of the mesh lacks, with the reason if its file has
 // colors that are not read.
-absl::Status CheckHas(const std::vector<Attribute>& attributes, const Mesh& mesh);
+absl::Status CheckHas(const std::vector<Field>& attributes, const Mesh& mesh);
 
-// The numbers of a mesh with these attributes, in the form of Attribute.
+// The numbers of a mesh with these attributes, in the form of the protocol's Field.
 class AttributeNumbers {
  public:
   explicit AttributeNumbers(const Mesh& mesh) : mesh_(mesh) {}
 
   // Returns the number of a triangle at one of its vertices. Triangles must not descend from call to call.
-  uint32_t At(size_t triangle, uint32_t vertex, Attribute attribute);
+  uint32_t At(size_t triangle, uint32_t vertex, Field attribute);
 
  private:
   const Mesh& mesh_;

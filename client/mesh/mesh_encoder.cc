@@ -33,7 +33,7 @@ using Corner = std::array<uint32_t, kWords>;
 
 // The mesh in Draco's form, with each corner of triangles once, and without attributes.
 template <size_t kWords>
-std::unique_ptr<draco::Mesh> ToDraco(const Mesh& mesh, const std::vector<Attribute>& attributes,
+std::unique_ptr<draco::Mesh> ToDraco(const Mesh& mesh, const std::vector<Field>& attributes,
                                      std::vector<Corner<kWords>>& points) {
   absl::flat_hash_map<Corner<kWords>, uint32_t> point_of;
   AttributeNumbers numbers(mesh);
@@ -76,8 +76,8 @@ void AddPositions(const std::vector<Corner<kWords>>& points, draco::Mesh& mesh) 
   }
 }
 
-void AddAttribute(Attribute attribute, size_t word, const std::vector<Corner<kCarrying>>& points, draco::Mesh& mesh) {
-  const bool is_color = attribute == Attribute::kColor;
+void AddAttribute(Field attribute, size_t word, const std::vector<Corner<kCarrying>>& points, draco::Mesh& mesh) {
+  const bool is_color = attribute == Field::kColor;
   draco::PointAttribute& values =
       is_color ? Add(draco::GeometryAttribute::COLOR, 3, draco::DT_UINT8, /*normalized=*/true, mesh)
                : Add(draco::GeometryAttribute::GENERIC, 1, draco::DT_UINT32, /*normalized=*/false, mesh);
@@ -95,7 +95,7 @@ void AddAttribute(Attribute attribute, size_t word, const std::vector<Corner<kCa
   }
 }
 
-std::unique_ptr<draco::Mesh> ToDraco(const Mesh& mesh, const std::vector<Attribute>& attributes) {
+std::unique_ptr<draco::Mesh> ToDraco(const Mesh& mesh, const std::vector<Field>& attributes) {
   if (attributes.empty()) {
     std::vector<Corner<kPlain>> points;
     auto out = ToDraco<kPlain>(mesh, attributes, points);
@@ -110,10 +110,10 @@ std::unique_ptr<draco::Mesh> ToDraco(const Mesh& mesh, const std::vector<Attribu
 }
 
 // The attributes of a mesh in the order of `attributes`, after its positions; fewer if some are missing or not ours.
-std::vector<const draco::PointAttribute*> ValuesOf(const draco::Mesh& mesh, const std::vector<Attribute>& attributes) {
+std::vector<const draco::PointAttribute*> ValuesOf(const draco::Mesh& mesh, const std::vector<Field>& attributes) {
   std::vector<const draco::PointAttribute*> values;
-  for (const Attribute attribute : attributes) {
-    const bool is_color = attribute == Attribute::kColor;
+  for (const Field attribute : attributes) {
+    const bool is_color = attribute == Field::kColor;
     const int id = is_color ? mesh.GetNamedAttributeId(draco::GeometryAttribute::COLOR)
                             : mesh.GetAttributeIdByMetadataEntry("name", NameOf(attribute));
     if (id < 0) continue;
@@ -163,7 +163,7 @@ uint64_t Fingerprint(const draco::Mesh& mesh, const std::vector<const draco::Poi
 // Returns whether the decoded stream has the triangles of `mesh` and their attributes. Positions have the same bits if
 // they were not quantized. Quantized positions are computed here from the box and the bits that the stream declares,
 // and must be the same.
-bool Holds(const draco::EncoderBuffer& stream, const draco::Mesh& mesh, const std::vector<Attribute>& attributes) {
+bool Holds(const draco::EncoderBuffer& stream, const draco::Mesh& mesh, const std::vector<Field>& attributes) {
   draco::DecoderBuffer buffer;
   buffer.Init(stream.data(), stream.size());
   draco::Decoder decoder;
@@ -201,8 +201,8 @@ absl::Status CheckFloat32(const Mesh& mesh) {
   return absl::OkStatus();
 }
 
-absl::StatusOr<EncodedMesh> Encode(const draco::Mesh& mesh, int quantization_bits,
-                                   const std::vector<Attribute>& attributes, bool edgebreaker) {
+absl::StatusOr<EncodedMesh> Encode(const draco::Mesh& mesh, int quantization_bits, const std::vector<Field>& attributes,
+                                   bool edgebreaker) {
   draco::ExpertEncoder encoder(mesh);
   const int speed = edgebreaker ? kEdgebreakerSpeed : kSequentialSpeed;
   encoder.SetSpeedOptions(speed, speed);
@@ -225,7 +225,7 @@ absl::StatusOr<EncodedMesh> Encode(const draco::Mesh& mesh, int quantization_bit
 // Edgebreaker streams are two to five times smaller, but leave out triangles with a repeated vertex, and split
 // non-manifold parts. A mesh that does not come back whole is encoded sequentially, which keeps everything.
 absl::StatusOr<EncodedMesh> EncodeMesh(const Mesh& mesh, int quantization_bits,
-                                       const std::vector<Attribute>& attributes) try {
+                                       const std::vector<Field>& attributes) try {
   if (mesh.triangles.empty()) return absl::InvalidArgumentError("the mesh has no triangles");
   if (absl::Status status = CheckFloat32(mesh); !status.ok()) return status;
   if (!(LongestSide(mesh) <= std::numeric_limits<float>::max())) {

@@ -19,14 +19,14 @@ struct EncodedMesh {
   bool edgebreaker = false;   // otherwise sequential
 };
 
-// Encodes all triangles of the mesh, with positions and the attributes, in the form of the protocol's Attribute.
+// Encodes all triangles of the mesh, with positions and the fields, in the form of the protocol's Field.
 // Positions are rounded to float32. That is all for 0 bits. Otherwise they are rounded to a grid of 2^bits - 1 steps
 // along the longest side of their bounding box. Drops vertices that no triangle uses, and joins equal ones (bit by
 // bit). Decodes the stream again, and checks that it has every triangle with its orientation. Preconditions: 0 <=
 // quantization_bits <= kMaxQuantizationBits; CheckHas(attributes, mesh) is OK. Errors: INVALID_ARGUMENT (nothing to
 // encode, an extent beyond float32), RESOURCE_EXHAUSTED (memory), INTERNAL.
 absl::StatusOr<EncodedMesh> EncodeMesh(const Mesh& mesh, int quantization_bits,
-                                       const std::vector<Attribute>& attributes = {});
+                                       const std::vector<Field>& attributes = {});
 
 // Returns bits that are fine enough to leave the voxels as they are, except where the surface passes very near to a
 // decision. A step is at most 1/512 of a voxel, like the server's snapping. `voxels`: along the longest side of the

@@ -30,7 +30,7 @@ struct Vertices {
   std::vector<std::array<uint32_t, 3>> triangles;
 };
 
-Vertices Split(const Mesh& mesh, const std::vector<Attribute>& attributes) {
+Vertices Split(const Mesh& mesh, const std::vector<Field>& attributes) {
   using Key = std::pair<uint32_t, std::array<uint32_t, kMostAttributes>>;
   absl::flat_hash_map<Key, uint32_t> vertex_of;
   AttributeNumbers numbers(mesh);
@@ -69,7 +69,7 @@ bool FitsFloat32(const Mesh& mesh) {
   });
 }
 
-RawMesh ToRaw(const Mesh& mesh, const std::vector<Attribute>& attributes) {
+RawMesh ToRaw(const Mesh& mesh, const std::vector<Field>& attributes) {
   Vertices split;
   if (!attributes.empty()) split = Split(mesh, attributes);
   std::vector<Vec3d> moved;
@@ -87,7 +87,7 @@ RawMesh ToRaw(const Mesh& mesh, const std::vector<Attribute>& attributes) {
   return raw;
 }
 
-uint64_t MostRawBytes(const Mesh& mesh, const std::vector<Attribute>& attributes) {
+uint64_t MostRawBytes(const Mesh& mesh, const std::vector<Field>& attributes) {
   const uint64_t triangles = mesh.triangles.size();
   // Each corner may carry its own numbers.
   const uint64_t vertices = attributes.empty() ? mesh.positions.size() : 3 * triangles;

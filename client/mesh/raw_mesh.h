@@ -18,10 +18,10 @@ bool FitsFloat32(const Mesh& mesh);
 
 // Returns the arrays of the mesh, with float32 if that is exact and doubles otherwise. A vertex whose triangles carry
 // several numbers becomes several vertices. Precondition: CheckHas(attributes, mesh) is OK.
-RawMesh ToRaw(const Mesh& mesh, const std::vector<Attribute>& attributes);
+RawMesh ToRaw(const Mesh& mesh, const std::vector<Field>& attributes);
 
 // Returns a bound on the bytes of these arrays.
-uint64_t MostRawBytes(const Mesh& mesh, const std::vector<Attribute>& attributes);
+uint64_t MostRawBytes(const Mesh& mesh, const std::vector<Field>& attributes);
 
 // Returns whether rounding positions to float32, as Draco does, could move them by more than half a step of the
 // quantization, or at all if there is none (0 bits). Then only doubles are exact enough: the mesh is far from 0.

@@ -23,8 +23,8 @@ struct MeshSource {
   std::optional<MeshFormat> format;  // of all files; absent: by extension, or by the first bytes of standard input
   UpAxis up = UpAxis::kZ;            // the axis that becomes z
   double scale = 1;
-  bool skip_bad = false;                   // go on without broken elements, with the warning BAD_ELEMENTS
-  std::vector<Attribute> attributes = {};  // required of each mesh, except a single Draco stream
+  bool skip_bad = false;               // go on without broken elements, with the warning BAD_ELEMENTS
+  std::vector<Field> attributes = {};  // required of each mesh, except a single Draco stream
 };
 
 // Returns the paths in a form for people.

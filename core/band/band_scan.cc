@@ -45,17 +45,13 @@ TileBricks BandScan::Scan(const BandContext& context, const Vec3i& tile_ijk, std
     const IndexBox box = VoxelsNear(triangle, context.plan.margin, tile);
     if (!IsEmpty(box)) Add(context, triangle, box);
   }
-  if (context.inside) {
-    const bool corner = context.inside->IsInside(tile_min_);
-    FindInside(context.mesh, triangles, tile_min_, corner, context.stop, inside_);
-  }
   TileBricks out{tile_ijk + Shifted(context.mesh.base_ijk, kTileBits), {}};
   for (int32_t n = 0; n < 512; ++n) {
     const Vec3i corner = tile_min_ + Vec3i{n >> 6, n >> 3 & 7, n & 7} * kBrickSide;
-    const Brick brick = CutOut(corner, context, context.inside.has_value(), out.values);
+    const Brick brick = CutOut(corner, context, out.squares);
     if (CountVoxels(brick.mask) != 0) out.bricks.push_back(brick);
   }
-  out.voxels = out.values.size();
+  out.voxels = out.squares.size();
   return out;
 }
 
@@ -104,22 +100,17 @@ void BandScan::Offer(const BandContext& context, const TriangleDistance& triangl
   best = square;
 }
 
-// Appends the values of the brick's voxels.
-Brick BandScan::CutOut(const Vec3i& corner, const BandContext& context, bool is_signed,
-                       std::vector<float>& values) const {
+// Appends the squares of the brick's voxels.
+Brick BandScan::CutOut(const Vec3i& corner, const BandContext& context, std::vector<double>& squares) const {
   Brick brick{Shifted(corner + context.mesh.base_ijk, kBrickBits), {}};
-  const auto width = static_cast<float>(context.plan.width);
   for (int32_t x = 0; x < kBrickSide; ++x) {
     for (int32_t y = 0; y < kBrickSide; ++y) {
-      const Vec3i ijk = corner + Vec3i{x, y, 0};
-      const size_t first = NumberOf(ijk);
-      const uint64_t inside = is_signed ? inside_[first >> kTileBits] >> (first & (kTileSide - 1)) : 0;
+      const size_t first = NumberOf(corner + Vec3i{x, y, 0});
       for (size_t z = 0; z < kBrickSide; ++z) {
         const double square = best_[first + z];
         if (square >= high_) continue;
         brick.mask[static_cast<size_t>(x)] |= uint64_t{1} << (static_cast<size_t>(y) << kBrickBits | z);
-        const float value = std::min(static_cast<float>(std::sqrt(square) * context.plan.unit), width);
-        values.push_back((inside >> z & 1) != 0 && value != 0 ? -value : value);
+        squares.push_back(square);
       }
     }
   }

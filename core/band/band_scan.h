@@ -1,12 +1,10 @@
-// The band's voxels of a tile, with their distances, from the triangles around it.
+// The band's voxels of a tile, with the squares of their distances, from the triangles around it.
 #ifndef LATVOX_CORE_BAND_BAND_SCAN_H_
 #define LATVOX_CORE_BAND_BAND_SCAN_H_
 
-#include <optional>
 #include <span>
 #include <vector>
 
-#include "core/band/inside.h"
 #include "core/band/plan.h"
 #include "core/band/triangle_distance.h"
 #include "core/base/stop_signal.h"
@@ -19,8 +17,7 @@ namespace latvox {
 struct BandContext {
   const SnappedMesh& mesh;
   BandPlan plan;
-  IndexBox region;                          // local voxels outside are not delivered
-  const std::optional<CornerLines> inside;  // for a signed band
+  IndexBox region;  // local voxels outside are not delivered
   StopSignal stop;
 };
 
@@ -29,7 +26,7 @@ class BandScan {
  public:
   BandScan();
 
-  // Returns the tile's bricks in lexicographic order, in global coordinates, with values. Returns none if the tile has
+  // Returns the tile's bricks in lexicographic order, in global coordinates, with squares. Returns none if the tile has
   // no voxels, or once the job is cancelled.
   //   tile_ijk    local
   //   triangles   all that come within the band's reach of the tile; more do no harm. The order does not matter: each
@@ -42,13 +39,12 @@ class BandScan {
   void ScanRow(const BandContext& context, const TriangleDistance& triangle, const Rows& rows, const Vec3i& ijk,
                int32_t end);
   void Offer(const BandContext& context, const TriangleDistance& triangle, const Vec3i& ijk, double& best) const;
-  Brick CutOut(const Vec3i& corner, const BandContext& context, bool is_signed, std::vector<float>& values) const;
+  Brick CutOut(const Vec3i& corner, const BandContext& context, std::vector<double>& squares) const;
   size_t NumberOf(const Vec3i& ijk) const;
 
   Vec3i tile_min_{};           // local
   double low_ = 0, high_ = 0;  // squares up to low_ are certainly within the limit, those from high_ on certainly not
   std::vector<double> best_;   // the smallest square so far for each voxel, in units; high_: none is within the limit
-  TileMask inside_;
 };
 
 }  // namespace latvox

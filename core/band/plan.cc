@@ -50,7 +50,7 @@ absl::StatusOr<BandPlan> MakeBandPlan(const Band& band, const Lattice& lattice) 
                                                                 double{Float::min()}, double{Float::max()})),
                      width, double{width < 1 ? Float::min() : Float::max()});
   }
-  const double size = lattice.voxel_size(), unit = size / kLatticeUnit;
+  const double size = lattice.voxel_size();
   if (width < kLeastBandSizes * size) {
     return WithValue(absl::InvalidArgumentError(absl::StrFormat(
                          "band: a width of %g is below 1/%g of the voxel size %g", width, 1 / kLeastBandSizes, size)),
@@ -60,8 +60,7 @@ absl::StatusOr<BandPlan> MakeBandPlan(const Band& band, const Lattice& lattice) 
   if (!margin.ok()) return margin.status();
   const absl::StatusOr<Metric> metric = MakeMetric(lattice);
   if (!metric.ok()) return metric.status();
-  return BandPlan{*metric,          width,         unit, LimitOf(*metric, width / size, *margin), *margin,
-                  ReachOf(*margin), band.is_signed};
+  return BandPlan{*metric, width, LimitOf(*metric, width / size, *margin), *margin, ReachOf(*margin)};
 }
 
 }  // namespace latvox

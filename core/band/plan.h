@@ -13,12 +13,10 @@ namespace latvox {
 struct BandPlan {
   Metric metric;
   double width;    // world units
-  double unit;     // world length of a unit of the metric
   __int128 limit;  // the square of the width, as of Inner: larger by up to 2^-45 of it, and by the rounding of g
   // The distance along each lattice axis within which the band's lattice points lie from the surface: in units, and in
   // voxels, rounded up.
   Vec3i margin, reach;
-  bool is_signed;
 };
 
 // Returns the distance along each lattice axis, in units, within which all points within a width (world units) lie.

@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <boost/multiprecision/cpp_int.hpp>
 #include <cmath>
+#include <utility>
 
 namespace latvox {
 namespace {
@@ -37,6 +38,10 @@ double ExactDot(const Vec<int64_t, 3>& n, const Vec3i& d) {
 }
 
 }  // namespace
+
+struct TriangleDistance::Fraction {
+  Int1024 over, under;  // under > 0
+};
 
 TriangleDistance::TriangleDistance(const Metric& metric, const Triangle& triangle)
     : metric_(metric), corners_(triangle) {
@@ -100,6 +105,86 @@ bool TriangleDistance::TurnsInward(size_t edge, const Vec3i& d) const {
   return Int256(Inner(metric_, e, e)) * Inner(metric_, f, d) >= Int256(Inner(metric_, e, d)) * Inner(metric_, e, f);
 }
 
+// Returns the sign of (e x f) . (e x d): above 0 where the point's projection to the plane lies strictly on the
+// triangle's side of the edge, 0 on the edge's line. `d`: from the edge's first corner.
+int TriangleDistance::SignOfTurn(size_t edge, const Vec3i& d) const {
+  constexpr double kSure = 0x1p-30;
+  const Vec3d turn = Apply(metric_.cofactor, Cross(ToDouble(edges_[edge]), ToDouble(d)));
+  const double product = Dot(normal_world_, turn);
+  if (product * product > kSure * kSure * normal_square_ * Square(turn)) return product > 0 ? 1 : -1;
+  const Vec3i &e = edges_[edge], f = -edges_[(edge + 2) % 3];
+  const Int256 left = Int256(Inner(metric_, e, e)) * Inner(metric_, f, d);
+  return left.compare(Int256(Inner(metric_, e, d)) * Inner(metric_, e, f));
+}
+
+// Returns the sign of e . d.
+int TriangleDistance::SignAlong(size_t edge, const Vec3i& d) const {
+  constexpr double kSure = 0x1p-30;
+  const Vec3d d_world = Apply(metric_.root, ToDouble(d));
+  const double product = Dot(edges_world_[edge], d_world);
+  if (product * product > kSure * kSure * edge_squares_[edge] * Square(d_world)) return product > 0 ? 1 : -1;
+  const __int128 exact = Inner(metric_, edges_[edge], d);
+  return exact > 0 ? 1 : exact < 0 ? -1 : 0;
+}
+
+// A half-plane contains the triangle for each edge. Where the point projects beyond an edge's line or on it, its foot
+// on that line is the nearest point of the half-plane. If the foot lies within the edge, it is that of the triangle,
+// too. A triangle is convex, so if there is no such edge, and the point does not project into the face, a corner is
+// nearest: the one with both its edges behind it.
+TriangleFeature TriangleDistance::FeatureNear(const Vec3i& point) const {
+  if (!has_area()) return FeatureOfLine(point);
+  const std::array<Vec3i, 3> d{point - corners_[0], point - corners_[1], point - corners_[2]};
+  bool is_over_face = true;
+  for (uint8_t n = 0; n < 3; ++n) {
+    if (SignOfTurn(n, d[n]) > 0) continue;
+    is_over_face = false;
+    if (SignAlong(n, d[n]) > 0 && SignAlong(n, d[(n + 1) % 3]) < 0) return {TriangleFeature::kEdge, n};
+  }
+  if (is_over_face) return {TriangleFeature::kFace, 0};
+  uint8_t corner = 0;
+  while (corner < 2 && !(SignAlong(corner, d[corner]) <= 0 && SignAlong((corner + 2) % 3, d[corner]) >= 0)) ++corner;
+  return {TriangleFeature::kCorner, corner};
+}
+
+// Compares all features, because a corner may lie within an edge.
+TriangleFeature TriangleDistance::FeatureOfLine(const Vec3i& point) const {
+  const std::array<Vec3i, 3> d{point - corners_[0], point - corners_[1], point - corners_[2]};
+  TriangleFeature nearest{TriangleFeature::kCorner, 0};
+  Fraction least{Inner(metric_, d[0], d[0]), 1};
+  const auto offer = [&](TriangleFeature feature, Fraction square) {
+    if (square.over * least.under >= least.over * square.under) return;
+    nearest = feature;
+    least = std::move(square);
+  };
+  for (uint8_t n = 1; n < 3; ++n) offer({TriangleFeature::kCorner, n}, {Inner(metric_, d[n], d[n]), 1});
+  for (uint8_t n = 0; n < 3; ++n) {
+    const __int128 along = Inner(metric_, edges_[n], d[n]), length = Inner(metric_, edges_[n], edges_[n]);
+    if (along <= 0 || along >= length) continue;
+    offer({TriangleFeature::kEdge, n}, {Int1024(Inner(metric_, d[n], d[n])) * length - Int1024(along) * along, length});
+  }
+  return nearest;
+}
+
+// Numerators and denominators are exact integers, so each weight is a quotient of two rounded ones.
+std::array<double, 2> TriangleDistance::WeightsNear(const Vec3i& point, TriangleFeature feature) const {
+  if (feature.kind == TriangleFeature::kCorner)
+    return {feature.number == 1 ? 1.0 : 0.0, feature.number == 2 ? 1.0 : 0.0};
+  if (feature.kind == TriangleFeature::kEdge) {
+    const Vec3i& e = edges_[feature.number];
+    const __int128 along = Inner(metric_, e, point - corners_[feature.number]), length = Inner(metric_, e, e);
+    std::array<double, 3> weights{};
+    weights[(feature.number + 1) % 3] = static_cast<double>(along) / static_cast<double>(length);
+    weights[feature.number] = static_cast<double>(length - along) / static_cast<double>(length);
+    return {weights[1], weights[2]};
+  }
+  const Vec3i &e = edges_[0], f = -edges_[2], d = point - corners_[0];
+  const Int256 ee = Inner(metric_, e, e), ef = Inner(metric_, e, f), ff = Inner(metric_, f, f);
+  const Int256 ed = Inner(metric_, e, d), fd = Inner(metric_, f, d);
+  const auto determinant = Int256(ee * ff - ef * ef).convert_to<double>();
+  return {Int256(ff * ed - ef * fd).convert_to<double>() / determinant,
+          Int256(ee * fd - ef * ed).convert_to<double>() / determinant};
+}
+
 bool TriangleDistance::IsWithin(const Vec3i& point, __int128 limit) const {
   std::array<Vec3i, 3> d;
   for (size_t n = 0; n < 3; ++n) {
@@ -146,10 +231,6 @@ bool TriangleDistance::FaceIsWithin(const std::array<Vec3i, 3>& d, __int128 limi
   const Projection along = Project(d[0]);
   return (Inner(metric_, d[0], d[0]) - limit) * along.determinant <= along.square;
 }
-
-struct TriangleDistance::Fraction {
-  Int1024 over, under;  // under > 0
-};
 
 TriangleDistance::Fraction TriangleDistance::ExactSquareTo(const Vec3i& point) const {
   const std::array<Vec3i, 3> d{point - corners_[0], point - corners_[1], point - corners_[2]};

@@ -1,13 +1,25 @@
-// The distance from a lattice point to a triangle: its square in doubles, almost without error, and an exact comparison
-// with a limit.
+// The distance from a lattice point to a triangle: its square in doubles, almost without error, exact comparisons with
+// a limit and with other triangles, and the nearest point.
 #ifndef LATVOX_CORE_BAND_TRIANGLE_DISTANCE_H_
 #define LATVOX_CORE_BAND_TRIANGLE_DISTANCE_H_
+
+#include <array>
+#include <cstdint>
 
 #include "core/band/metric.h"
 #include "core/base/vec.h"
 #include "core/digitize/crossing.h"
 
 namespace latvox {
+
+// A part of a triangle. Edge n leads from corner n to the next, and does not include its ends; the face does not
+// include the edges.
+struct TriangleFeature {
+  enum Kind : uint8_t { kCorner, kEdge, kFace };
+  Kind kind;
+  uint8_t number;  // of the corner or the edge; 0 for the face
+  bool operator==(const TriangleFeature&) const = default;
+};
 
 // A triangle of any shape, also without area. Points and corners are in units of 1/kLatticeUnit voxel, and no two of
 // them are farther apart than kPointBits allow.
@@ -27,6 +39,18 @@ class TriangleDistance {
   // b.
   static int Compare(const TriangleDistance& a, const TriangleDistance& b, const Vec3i& point);
 
+  // Returns the feature that holds the nearest point of the triangle, exactly. A triangle without area has no face.
+  TriangleFeature FeatureNear(const Vec3i& point) const;
+
+  // Returns the weights of the second and the third corner in the nearest point of the triangle, with an error below
+  // 2^-50 of each. `feature`: that of FeatureNear.
+  std::array<double, 2> WeightsNear(const Vec3i& point, TriangleFeature feature) const;
+
+  const Triangle& corners() const { return corners_; }
+  // (second - first) x (third - first), in lattice coordinates: exact, a covector; 0 iff there is no area.
+  const Vec<int64_t, 3>& normal() const { return normal_; }
+  bool has_area() const { return normal_ != Vec<int64_t, 3>{}; }
+
   const Vec3i& corner() const { return corners_[0]; }
   // The center of a circle in the triangle's plane that contains the triangle, in the metric's Cartesian coordinates
   // relative to corner(); units.
@@ -42,6 +66,9 @@ class TriangleDistance {
   bool ProjectsInside(const std::array<Vec3i, 3>& d) const;
   Projection Project(const Vec3i& d) const;
   Fraction ExactSquareTo(const Vec3i& point) const;
+  TriangleFeature FeatureOfLine(const Vec3i& point) const;
+  int SignOfTurn(size_t edge, const Vec3i& d) const;
+  int SignAlong(size_t edge, const Vec3i& d) const;
   bool TurnsInward(size_t edge, const Vec3i& d) const;
   bool EdgeIsWithin(size_t edge, const Vec3i& d, __int128 limit) const;
   bool FaceIsWithin(const std::array<Vec3i, 3>& d, __int128 limit) const;

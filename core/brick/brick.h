@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -34,9 +35,12 @@ struct TileBricks {
   Vec3i tile_ijk;
   std::vector<Brick> bricks;  // lexicographic order of brick_ijk; never empty
   uint64_t voxels = 0;
-  double progress = 0;                    // estimated share of the whole work that is done with this tile, 0 to 1
-  std::vector<float> values = {};         // for a band: the distance of each voxel, brick by brick, in the masks' order
-  std::vector<uint32_t> attributes = {};  // if requested: those of each voxel, in the same order
+  double progress = 0;  // estimated share of the whole work that is done with this tile, 0 to 1
+  // For a band, until its fields are found: the square of each voxel's distance, in units (core/band/metric.h), brick
+  // by brick, in the masks' order.
+  std::vector<double> squares = {};
+  // One for each field of the request, in its order: the values of all voxels, in the same order.
+  std::vector<std::vector<std::byte>> fields = {};
 };
 
 // A half-open box of lattice points: min <= ijk < max on every axis.

@@ -1,4 +1,4 @@
-// A narrow band: the lattice points near a surface, each with its distance.
+// A narrow band: the lattice points near a surface.
 #ifndef LATVOX_CORE_REQUEST_BAND_H_
 #define LATVOX_CORE_REQUEST_BAND_H_
 
@@ -12,9 +12,6 @@ namespace latvox {
 struct Band {
   double width = 0;        // finite, at least 1/8192 of a voxel size
   bool in_voxels = false;  // width counts voxel sizes; otherwise world units
-  // Whether distances are negative inside: where a line to the outside crosses the mesh an odd number of times. The
-  // mesh must be closed.
-  bool is_signed = false;
 };
 
 // The largest reach of a band along each lattice axis, in voxels.

@@ -1,7 +1,4 @@
 // The fields that voxels can carry, and the list of a request's fields.
-//
-// Each vertex of a mesh has one number for each field. A voxel carries the numbers of the nearest corner of the nearest
-// triangle: see core/attributes/attribute_scan.h.
 #ifndef LATVOX_CORE_REQUEST_FIELDS_H_
 #define LATVOX_CORE_REQUEST_FIELDS_H_
 
@@ -14,19 +11,36 @@
 
 namespace latvox {
 
-enum class Field : uint32_t { kPart, kMaterial, kColor };
+enum class Field : uint32_t { kPart, kMaterial, kColor, kDistance, kTriangle, kPoint, kNormal };
+
+// The types of a field's components, on the wire and in memory.
+enum class NumberType { kUint8, kUint32, kFloat32 };
+
+constexpr size_t BytesOf(NumberType type) { return type == NumberType::kUint8 ? 1 : 4; }
 
 struct FieldFacts {
   Field field;
-  const char* name;  // in the protocol, in files and on the command line
-  uint32_t largest;  // number of a vertex; the smallest is 0
+  const char* name;     // in the protocol, in files and on the command line
+  NumberType type;      // of each component
+  uint32_t components;  // of a voxel
+  // A field of the mesh: the largest number of a vertex; the smallest is 0. Other fields have 0 here.
+  uint32_t largest = 0;
+
+  // Of a voxel.
+  constexpr size_t bytes() const { return components * BytesOf(type); }
+  // Whether each vertex of the mesh has a number for it. A color's number is red << 16 | green << 8 | blue.
+  constexpr bool is_of_mesh() const { return largest != 0; }
 };
 
 // All fields. A new field is one more row.
-inline constexpr std::array<FieldFacts, 3> kFields{{
-    {Field::kPart, "part", 0x7FFFFFFF},
-    {Field::kMaterial, "material", 0x7FFFFFFF},
-    {Field::kColor, "color", 0xFFFFFF},  // red << 16 | green << 8 | blue
+inline constexpr std::array<FieldFacts, 7> kFields{{
+    {Field::kPart, "part", NumberType::kUint32, 1, 0x7FFFFFFF},
+    {Field::kMaterial, "material", NumberType::kUint32, 1, 0x7FFFFFFF},
+    {Field::kColor, "color", NumberType::kUint8, 3, 0xFFFFFF},
+    {Field::kDistance, "distance", NumberType::kFloat32, 1},
+    {Field::kTriangle, "triangle", NumberType::kUint32, 1},
+    {Field::kPoint, "point", NumberType::kFloat32, 2},
+    {Field::kNormal, "normal", NumberType::kFloat32, 3},
 }};
 
 constexpr const FieldFacts& FactsOf(Field field) { return kFields[static_cast<size_t>(field)]; }
@@ -35,8 +49,18 @@ constexpr const char* NameOf(Field field) { return FactsOf(field).name; }
 static_assert(std::ranges::all_of(kFields, [](const FieldFacts& row) { return &FactsOf(row.field) == &row; }),
               "each row stands at its field's number");
 
-// A list of fields, in the order in which a voxel carries their numbers. It is plain bytes, because a decoder process
-// receives it.
+// Fields of a mesh.
+inline constexpr size_t kMostMeshFields = static_cast<size_t>(std::ranges::count_if(kFields, &FieldFacts::is_of_mesh));
+
+// The most bytes that one voxel carries for one field, and for all.
+inline constexpr size_t kMostFieldBytes = std::ranges::max(kFields, {}, &FieldFacts::bytes).bytes();
+inline constexpr size_t kMostBytesOfVoxel = [] {
+  size_t sum = 0;
+  for (const FieldFacts& row : kFields) sum += row.bytes();
+  return sum;
+}();
+
+// A list of fields, in the order of the request. It is plain bytes, because a decoder process receives it.
 class FieldList {
  public:
   constexpr FieldList() = default;
@@ -48,6 +72,15 @@ class FieldList {
   // Precondition: the field is not in the list.
   constexpr void Add(Field field) { fields_[count_++] = field; }
   constexpr bool Contains(Field field) const { return std::ranges::find(view(), field) != view().end(); }
+
+  // The fields of the mesh among these, in this order.
+  constexpr FieldList OfMesh() const {
+    FieldList fields;
+    for (const Field field : view()) {
+      if (FactsOf(field).is_of_mesh()) fields.Add(field);
+    }
+    return fields;
+  }
 
   constexpr uint32_t size() const { return count_; }
   constexpr bool empty() const { return count_ == 0; }

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <variant>
 
 #include "core/base/vec.h"
 #include "core/brick/brick.h"
@@ -23,6 +24,15 @@ struct Shard {
 
 inline constexpr uint32_t kMaxShards = 1 << 20;
 
+// The voxels of a surface that separate its sides.
+struct SeparatingSurface {};
+
+// All voxels whose closed Voronoi cell meets the surface.
+struct SupercoverSurface {};
+
+// A new set is one more struct here.
+using SetOption = std::variant<SeparatingSurface, SupercoverSurface, Solid, Band>;
+
 struct VoxelizeOptions {
   int64_t separability = 0;                          // k: 0, 1 or 2
   std::optional<bool> minimal = std::nullopt;        // thin to k-minimality; default: wherever that is possible
@@ -31,10 +41,9 @@ struct VoxelizeOptions {
   Algorithm algorithm = Algorithm::kExact;           // how to find the surface's voxels
   std::optional<Shard> shard = std::nullopt;         // only this part of the tiles
   std::optional<Vec3i> resume_after = std::nullopt;  // tile_ijk: leave out this tile and all before it
-  std::optional<Solid> solid = std::nullopt;         // the points inside the mesh, too
-  Cover cover = Cover::kSeparating;                  // which voxels belong to the surface
-  std::optional<Band> band = std::nullopt;           // points near the mesh instead of a surface's voxels
-  FieldList fields = {};                             // what each voxel carries
+  SetOption set = SeparatingSurface{};               // which lattice points
+  FieldList fields = {};                             // what each of them carries
+  bool signed_distance = false;                      // distances are negative inside; needs Field::kDistance
   bool verify = false;                               // count tunnels and redundant voxels of the finished set
 };
 

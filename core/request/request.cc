@@ -7,14 +7,27 @@
 namespace latvox {
 namespace {
 
+template <class T>
+bool Is(const SetOption& set) {
+  return std::holds_alternative<T>(set);
+}
+
+Cover CoverOf(const SetOption& set) {
+  const Solid* const solid = std::get_if<Solid>(&set);
+  const bool is_supercover =
+      solid != nullptr ? solid->surface == SolidSurface::kSupercover : Is<SupercoverSurface>(set);
+  return is_supercover ? Cover::kSupercover : Cover::kSeparating;
+}
+
 SurfaceSet SurfaceOf(const VoxelizeOptions& options) {
-  const bool can_be_minimal = options.algorithm == Algorithm::kExact && options.cover == Cover::kSeparating;
-  return {options.algorithm, options.cover, can_be_minimal && options.minimal.value_or(true)};
+  const Cover cover = CoverOf(options.set);
+  const bool can_be_minimal = options.algorithm == Algorithm::kExact && cover == Cover::kSeparating;
+  return {options.algorithm, cover, can_be_minimal && options.minimal.value_or(true)};
 }
 
 PointSet SetOf(const VoxelizeOptions& options) {
-  if (options.band) return BandSet{*options.band};
-  if (options.solid) return SolidSet{*options.solid, SurfaceOf(options)};
+  if (const Band* band = std::get_if<Band>(&options.set)) return BandSet{*band};
+  if (const Solid* solid = std::get_if<Solid>(&options.set)) return SolidSet{*solid, SurfaceOf(options)};
   return SurfaceOf(options);
 }
 
@@ -41,11 +54,22 @@ bool VoxelRequest::is_supercover() const { return surface() != nullptr && surfac
 
 bool VoxelRequest::is_minimal() const { return surface() != nullptr && surface()->minimal; }
 
+bool VoxelRequest::has_surface() const {
+  return surface() != nullptr && (solid() == nullptr || solid()->surface != SolidSurface::kNone);
+}
+
+std::string_view NameOfSet(const VoxelRequest& request) {
+  if (request.band() != nullptr) return "band";
+  if (request.solid() == nullptr) return request.is_supercover() ? "supercover" : "surface";
+  return !request.has_surface() ? "interior" : request.is_supercover() ? "supercover-solid" : "solid";
+}
+
 absl::StatusOr<VoxelRequest> MakeRequest(const VoxelizeOptions& options) {
   if (absl::Status status = CheckRules(options); !status.ok()) return status;
   return VoxelRequest{static_cast<int>(options.separability),
                       SetOf(options),
                       options.fields,
+                      options.signed_distance,
                       {options.region, options.bounds, options.shard, options.resume_after},
                       options.verify};
 }

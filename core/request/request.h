@@ -3,6 +3,7 @@
 #define LATVOX_CORE_REQUEST_REQUEST_H_
 
 #include <optional>
+#include <string_view>
 #include <variant>
 
 #include "absl/status/statusor.h"
@@ -24,13 +25,13 @@ struct SurfaceSet {
   bool minimal = true;  // thinned to k-minimality: only kExact with kSeparating
 };
 
-// The lattice points inside a mesh, together with the surface's voxels if solid.surface is set.
+// The lattice points inside a mesh, together with the surface's voxels unless solid.surface is kNone.
 struct SolidSet {
   Solid solid;
   SurfaceSet surface;
 };
 
-// The lattice points near a mesh, each with its distance.
+// The lattice points near a mesh.
 struct BandSet {
   Band band;
 };
@@ -50,6 +51,7 @@ struct VoxelRequest {
   int separability = 0;  // k: 0, 1 or 2
   PointSet set = SurfaceSet{};
   FieldList fields = {};
+  bool signed_distance = false;  // distances are negative inside
   Part part = {};
   bool verify = false;  // count tunnels and redundant voxels of the finished set
 
@@ -64,7 +66,12 @@ struct VoxelRequest {
   bool is_supercover() const;
   // Whether the surface is thinned to k-minimality.
   bool is_minimal() const;
+  // Whether voxels of the surface belong to the set.
+  bool has_surface() const;
 };
+
+// "surface", "supercover", "solid", "supercover-solid", "interior" or "band".
+std::string_view NameOfSet(const VoxelRequest& request);
 
 // Judges options by all rules that need no mesh: see core/request/rules.h. Errors: INVALID_ARGUMENT with the field, the
 // value and the limit of the first rule that is broken, in the message and as payloads (core/base/status_payload.h).

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <string>
+#include <variant>
 
 #include "absl/strings/str_cat.h"
 
@@ -56,8 +57,14 @@ Found CheckShard(const VoxelizeOptions& options) {
 }
 
 Found CheckBand(const VoxelizeOptions& options) {
-  if (!options.band) return std::nullopt;
-  return FindNotPositive(options.band->in_voxels ? "band.voxels" : "band.width", options.band->width);
+  const Band* const band = std::get_if<Band>(&options.set);
+  if (band == nullptr) return std::nullopt;
+  return FindNotPositive(band->in_voxels ? "band.voxels" : "band.width", band->width);
+}
+
+Found CheckSignedDistance(const VoxelizeOptions& options) {
+  if (!options.signed_distance || options.fields.Contains(Field::kDistance)) return std::nullopt;
+  return Breach{"signed_distance", "signed_distance true: needs distance among fields", "true"};
 }
 
 constexpr std::array kValueRules{
@@ -66,11 +73,22 @@ constexpr std::array kValueRules{
     ValueRule{"bounds", CheckBounds},
     ValueRule{"shard", CheckShard},
     ValueRule{"band", CheckBand},
+    ValueRule{"signed_distance", CheckSignedDistance},
 };
 
 using O = VoxelizeOptions;
 
 std::string None(const O&) { return ""; }
+
+template <class Set>
+bool Is(const O& options) {
+  return std::holds_alternative<Set>(options.set);
+}
+
+std::optional<SolidSurface> SurfaceOfSolid(const O& options) {
+  const Solid* const solid = std::get_if<Solid>(&options.set);
+  return solid == nullptr ? std::nullopt : std::optional(solid->surface);
+}
 
 // An option with its default value counts as not given.
 constexpr std::array kOptions{
@@ -80,14 +98,16 @@ constexpr std::array kOptions{
     Option{"algorithm", "algorithm", "`algorithm` other than exact",
            [](const O& o) { return o.algorithm != Algorithm::kExact; },
            [](const O& o) { return std::string{NameOf(o.algorithm)}; }},
-    Option{"supercover", "cover", "`cover` supercover", [](const O& o) { return o.cover == Cover::kSupercover; },
+    Option{"supercover", "supercover", "`supercover`", [](const O& o) { return Is<SupercoverSurface>(o); }, None},
+    Option{"solid", "solid", "`solid`", [](const O& o) { return Is<Solid>(o); }, None},
+    Option{"supercover of a solid", "solid.surface", "`solid.surface` supercover",
+           [](const O& o) { return SurfaceOfSolid(o) == SolidSurface::kSupercover; },
            [](const O&) -> std::string { return "supercover"; }},
-    Option{"solid", "fill.mode", "`fill.mode` solid", [](const O& o) { return o.solid.has_value(); },
-           [](const O&) -> std::string { return "solid"; }},
-    Option{"interior alone", "fill.surface", "`fill.surface` false",
-           [](const O& o) { return o.solid && !o.solid->surface; }, [](const O&) -> std::string { return "false"; }},
-    Option{"band", "band", "`band`", [](const O& o) { return o.band.has_value(); }, None},
-    Option{"attributes", "attributes", "`attributes`", [](const O& o) { return !o.fields.empty(); }, None},
+    Option{"interior alone", "solid.surface", "`solid.surface` none",
+           [](const O& o) { return SurfaceOfSolid(o) == SolidSurface::kNone; },
+           [](const O&) -> std::string { return "none"; }},
+    Option{"band", "band", "`band`", [](const O& o) { return Is<Band>(o); }, None},
+    Option{"fields", "fields", "`fields`", [](const O& o) { return !o.fields.empty(); }, None},
     Option{"region", "region", "`region`", [](const O& o) { return o.region.has_value(); }, None},
     Option{"bounds", "bounds", "`bounds`", [](const O& o) { return o.bounds.has_value(); }, None},
     Option{"shard", "shard", "`shard`", [](const O& o) { return o.shard.has_value(); }, None},
@@ -97,19 +117,15 @@ constexpr std::array kOptions{
 constexpr std::array kExclusions{
     Exclusion{"minimal", "algorithm", ", which is not thinned"},
     Exclusion{"minimal", "supercover", ", which is not thinned"},
+    Exclusion{"minimal", "supercover of a solid", ", which is not thinned"},
     Exclusion{"minimal", "band", ", which is not thinned"},
     Exclusion{"minimal", "interior alone", ", which is not thinned"},
     Exclusion{"supercover", "algorithm"},
-    Exclusion{"supercover", "interior alone", ", which has no voxels of the surface"},
     Exclusion{"solid", "algorithm"},
     Exclusion{"separability", "interior alone", ", which has no voxels of the surface"},
     Exclusion{"band", "algorithm"},
-    Exclusion{"band", "supercover"},
-    Exclusion{"band", "solid"},
     Exclusion{"separability", "band"},
-    Exclusion{"attributes", "algorithm"},
-    Exclusion{"attributes", "solid", ", since no triangle is near its inside"},
-    Exclusion{"attributes", "band"},
+    Exclusion{"fields", "algorithm"},
     Exclusion{"verify", "region"},
     Exclusion{"verify", "bounds"},
     Exclusion{"verify", "shard"},

@@ -32,9 +32,12 @@ constexpr bool IsUnbalanced(InteriorRule rule, int32_t sum) {
   return rule == InteriorRule::kParity ? (sum & 1) != 0 : sum != 0;
 }
 
+// The voxels of the surface that belong to a solid.
+enum class SolidSurface { kSeparating, kSupercover, kNone };
+
 struct Solid {
   InteriorRule rule = InteriorRule::kAuto;
-  bool surface = true;      // whether the surface's voxels belong to the solid
+  SolidSurface surface = SolidSurface::kSeparating;
   bool force_open = false;  // fill a mesh that is not closed, where its lines along k are balanced
 };
 

@@ -5,7 +5,7 @@
 #include <cstring>
 
 #include "absl/strings/str_format.h"
-#include "core/attributes/attributes.h"
+#include "core/request/fields.h"
 
 #define XXH_INLINE_ALL
 #include <xxhash.h>
@@ -14,20 +14,14 @@ namespace latvox {
 
 static_assert(std::endian::native == std::endian::little, "the digest hashes little-endian memory");
 
-void Digest::Add(const Brick& brick, std::span<const float> values) { Add(brick, values.data(), values.size_bytes()); }
-
-void Digest::Add(const Brick& brick, std::span<const uint32_t> attributes) {
-  Add(brick, attributes.data(), attributes.size_bytes());
-}
-
-void Digest::Add(const Brick& brick, const void* values, size_t bytes) {
+void Digest::Add(const Brick& brick, std::span<const std::byte> values) {
   constexpr size_t kBrickBytes = sizeof(brick.brick_ijk) + sizeof(brick.mask);
   static_assert(kBrickBytes == 76);
-  std::array<char, kBrickBytes + 512 * kMaxAttributes * sizeof(uint32_t)> hashed;
+  std::array<char, kBrickBytes + 512 * kMostFieldBytes> hashed;
   std::memcpy(hashed.data(), brick.brick_ijk.data(), sizeof(brick.brick_ijk));
   std::memcpy(hashed.data() + sizeof(brick.brick_ijk), brick.mask.data(), sizeof(brick.mask));
-  if (bytes != 0) std::memcpy(hashed.data() + kBrickBytes, values, bytes);
-  const XXH128_hash_t hash = XXH3_128bits(hashed.data(), kBrickBytes + bytes);
+  if (!values.empty()) std::memcpy(hashed.data() + kBrickBytes, values.data(), values.size());
+  const XXH128_hash_t hash = XXH3_128bits(hashed.data(), kBrickBytes + values.size());
   Digest one;
   one.low_ = hash.low64;
   one.high_ = hash.high64;

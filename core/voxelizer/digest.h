@@ -2,6 +2,7 @@
 #ifndef LATVOX_CORE_VOXELIZER_DIGEST_H_
 #define LATVOX_CORE_VOXELIZER_DIGEST_H_
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -15,17 +16,13 @@ namespace latvox {
 // the digest of their union.
 class Digest {
  public:
-  // If there are values, they are hashed after the 76 bytes, as little-endian floats.
-  void Add(const Brick& brick, std::span<const float> values = {});
-  // Does the same with little-endian integers: at most kMaxAttributes for each voxel.
-  void Add(const Brick& brick, std::span<const uint32_t> attributes);
+  // `values`: one field of the brick's voxels, at most kMostFieldBytes for each. They are hashed after the 76 bytes.
+  void Add(const Brick& brick, std::span<const std::byte> values = {});
   void Add(const Digest& other);
   std::string ToHex() const;  // 32 hexadecimal digits
   bool operator==(const Digest&) const = default;
 
  private:
-  void Add(const Brick& brick, const void* values, size_t bytes);
-
   uint64_t high_ = 0, low_ = 0;
 };
 

@@ -39,7 +39,7 @@ double EstimateVoxels(const TriangleMesh& mesh, const MeshExtent& extent, const 
 //   band          the points within its width of each triangle; a shard gets its part
 //   brute force   all points in the boxes around triangles
 //   supercover    its voxels, and for each triangle the number that takes as long as its separating axes
-//   attributes    the same with the distance to each triangle
+//   fields        also the points that take as long as the search for each voxel's nearest triangle
 //   others        their voxels, each once for each triangle; for needles the number that takes as long as their rows,
 //                 and, where triangles fill a volume, the number that takes as long as thinning
 //

@@ -60,13 +60,18 @@ class ExactJob final : public VoxelizeJob {
   const std::unique_ptr<ExactPlan> plan_;
   UnitScheduler units_;
   const UnitScan scan_;
-  std::unique_ptr<const Interior> interior_;  // for a solid, once prepared
+  std::unique_ptr<const Interior> interior_;  // for a solid or signed distances, once prepared
   JobTotals totals_;
 };
 
 absl::Status ExactJob::Prepare() {
-  if (!plan_->solid || interior_) return absl::OkStatus();
+  const auto& fields = plan_->input.fields;
+  if (interior_ || (!plan_->solid && !(fields && fields->is_signed))) return absl::OkStatus();
   const CpuMeter::Scope scope(cpu_);
+  if (!plan_->solid) {  // the mesh is closed
+    interior_ = MakeClosedInterior(plan_->input.mesh, InteriorRule::kParity, plan_->input.region, stop_.Signal());
+    return stop_.Stopped() ? absl::CancelledError("voxelization cancelled") : absl::OkStatus();
+  }
   JobFacts& facts = plan_->facts;
   auto interior = MakeInterior(plan_->input.mesh, *plan_->solid, facts.closed, plan_->input.region, stop_.Signal(),
                                facts.interior_rule, facts.unbalanced_lines);
@@ -78,7 +83,7 @@ absl::Status ExactJob::Prepare() {
 
 // In a small job, small units wait for a large one before them. With two units in flight for each thread, other threads
 // waited, too. In a large job, more units in flight would keep others waiting when the sink pauses. Units of a band or
-// with attributes have megabytes each, and so may units that are not thinned.
+// with fields have megabytes each, and so may units that are not thinned.
 size_t ExactJob::UnitsInFlight() const {
   constexpr int kSmallJobLevel = 5;  // 32 tiles a side
   const bool may_be_large = plan_->has_large_tiles || !plan_->minimal || units_.tree().level() > kSmallJobLevel;

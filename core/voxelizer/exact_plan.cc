@@ -14,27 +14,21 @@
 namespace latvox {
 namespace {
 
-Vec3i Largest(Vec3i a, const Vec3i& b) {
-  for (size_t m = 0; m < 3; ++m) a[m] = std::max(a[m], b[m]);
-  return a;
-}
-
 void SetMargins(ExactPlan& plan) {
   const ExactInput& input = plan.input;
   plan.reach = input.supercover ? input.supercover->Margin() : ReachOf(input.frames);
   const TileContext context = plan.Context({});
   plan.near_margin = input.band ? input.band->reach : context.NearMargin();
   plan.far_margin = input.band ? input.band->reach : context.FarMargin();
-  if (!input.attributes) return;
-  plan.near_margin = Largest(plan.near_margin, input.attributes->plan.reach);
-  plan.far_margin = Largest(plan.far_margin, input.attributes->plan.reach);
 }
 
-// The interior needs the crossings of lines along an axis. For attributes, a triangle that meets no line along a frame
-// may still be the nearest one to a voxel.
-bool NeedsAllTriangles(const ExactPlan& plan) {
-  return (plan.solid && !HasAxes(plan.input.frames)) || plan.input.attributes;
-}
+bool IsSigned(const ExactPlan& plan) { return plan.input.fields && plan.input.fields->is_signed; }
+
+// Whether tiles need to know on which side of the mesh their voxels are.
+bool NeedsSides(const ExactPlan& plan) { return plan.solid || IsSigned(plan); }
+
+// The sides need the crossings of lines along an axis.
+bool NeedsAllTriangles(const ExactPlan& plan) { return NeedsSides(plan) && !HasAxes(plan.input.frames); }
 
 // Finds the links of tiny triangles, the remaining triangles, and the mesh's facts.
 SurfaceFacts SortOut(ExactPlan& plan, StopSignal creation) {
@@ -45,9 +39,8 @@ SurfaceFacts SortOut(ExactPlan& plan, StopSignal creation) {
   const Vec3i margin = plan.Context({}).FarMargin();
   const IndexBox around{input.region.min - margin, input.region.max + margin};
   plan.is_fine = true;
-  const bool list_tiny = plan.solid || input.attributes;
   FineTriangles fine = SortOutFine(input.mesh, plan.scan_frames, fineness, around, creation, *plan.links,
-                                   list_tiny ? &plan.is_tiny : nullptr);
+                                   NeedsSides(plan) ? &plan.is_tiny : nullptr);
   if (!NeedsAllTriangles(plan)) plan.kept = std::move(fine.kept);
   return fine.facts;
 }
@@ -65,17 +58,17 @@ absl::StatusOr<std::unique_ptr<ExactPlan>> MakeExactPlan(ExactInput asked, const
   plan->links = std::make_unique<TileLinks>(Shifted(input.mesh.box.min, kTileBits),
                                             plan->minimal ? ReachOf(input.frames) * kNearHalo : Vec3i{});
   SetMargins(*plan);
-  plan->has_large_tiles = input.band || input.attributes;
+  plan->has_large_tiles = input.band || input.fields;
   const SurfaceFacts surface = SortOut(*plan, creation);
   plan->facts = FactsOfJob(input.mesh, surface, input.region, input.bounds);
-  if (input.band) {
-    plan->facts.band_width = input.band->width;
-    if (input.band->is_signed && surface.closed) plan->corner_lines.emplace(input.mesh, creation);
+  if (input.band) plan->facts.band_width = input.band->width;
+  if (input.fields && input.fields->is_searched) {
+    plan->index = std::make_unique<const TriangleIndex>(input.mesh, input.fields->metric, creation);
   }
   plan->shard = request.part.shard.value_or(Shard{});
   plan->span = SpanOf(request.part, input.mesh, input.frames, input.region, input.bounds, creation);
   if (creation.Stopped()) return absl::CancelledError("voxelization cancelled");
-  if (input.band && input.band->is_signed && !surface.closed) {
+  if (IsSigned(*plan) && !plan->solid && !surface.closed) {
     return absl::InvalidArgumentError("mesh: it is not closed, which signed distances ask for");
   }
   return plan;

@@ -8,14 +8,14 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/attributes/plan.h"
-#include "core/band/inside.h"
 #include "core/band/plan.h"
 #include "core/base/stop_signal.h"
 #include "core/base/uninitialized.h"
 #include "core/block/tile_context.h"
 #include "core/brick/tile_order.h"
 #include "core/digitize/principal_scan.h"
+#include "core/fields/plan.h"
+#include "core/fields/triangle_index.h"
 #include "core/lattice/frame.h"
 #include "core/request/solid.h"
 #include "core/snap/snap.h"
@@ -33,7 +33,7 @@ struct ExactInput {
   // The next three are null or nullopt unless the request needs them.
   std::unique_ptr<const Supercover> supercover;
   std::optional<BandPlan> band;
-  std::optional<CarriedAttributes> attributes;
+  std::optional<FieldPlan> fields;
   IndexBox region;                 // local voxels to deliver, within mesh.box
   std::optional<WorldBox> bounds;  // deliver only voxels of `region` within these
 };
@@ -56,7 +56,7 @@ struct ExactPlan {
   UninitializedVector<uint8_t> is_tiny;       // see TileContext
   std::optional<std::vector<uint32_t>> kept;  // the triangles that tiles need to know, ascending; nullopt: all
   JobFacts facts;
-  std::optional<CornerLines> corner_lines;  // for a signed band
+  std::unique_ptr<const TriangleIndex> index;  // for fields that need it
   Shard shard;
   TileSpan span;  // the tiles to deliver
 
@@ -68,7 +68,7 @@ struct ExactPlan {
 
 // For a fine mesh, one pass finds the facts and the crossings of tiny triangles.
 //   creation   stops this function, not the job
-// Errors: INVALID_ARGUMENT if the band is signed and the mesh is not closed; CANCELLED.
+// Errors: INVALID_ARGUMENT if distances are signed, the set is no solid, and the mesh is not closed; CANCELLED.
 absl::StatusOr<std::unique_ptr<ExactPlan>> MakeExactPlan(ExactInput input, const VoxelRequest& request,
                                                          StopSignal creation);
 

@@ -8,9 +8,9 @@
 namespace latvox {
 namespace {
 
-std::optional<BandContext> MakeBandContext(ExactPlan& plan, StopSignal stop) {
+std::optional<BandContext> MakeBandContext(const ExactPlan& plan, StopSignal stop) {
   if (!plan.input.band) return std::nullopt;
-  return BandContext{plan.input.mesh, *plan.input.band, plan.input.region, std::move(plan.corner_lines), stop};
+  return BandContext{plan.input.mesh, *plan.input.band, plan.input.region, stop};
 }
 
 // Removes voxels outside of the bounds from the tiles from `first` on.
@@ -21,11 +21,11 @@ void Clip(const WorldBox& bounds, size_t first, std::vector<TileBricks>& tiles) 
 
 }  // namespace
 
-UnitScan::UnitScan(ExactPlan& plan, const UnitScheduler& units, StopSignal stop)
+UnitScan::UnitScan(const ExactPlan& plan, const UnitScheduler& units, StopSignal stop)
     : plan_(plan),
       units_(units),
       context_(plan.Context(stop)),
-      attributes_(plan.input.mesh, std::move(plan.input.attributes), stop),
+      fields_(plan.input.mesh, plan.input.fields ? &*plan.input.fields : nullptr, plan.index.get(), stop),
       band_(MakeBandContext(plan, stop)) {}
 
 std::vector<TileBricks> UnitScan::Scan(const TileNode& unit, const Interior* interior) const {
@@ -44,7 +44,7 @@ void UnitScan::Process(const TileNode& node, const Interior* interior, std::vect
   ScanLeaf(node, interior, out);
   if (plan_.input.bounds) Clip(*plan_.input.bounds, first, out);
   std::erase_if(out, [this](const TileBricks& tile) { return !units_.IsInSpan(tile.tile_ijk); });
-  attributes_.Add(node.triangles, std::span(out).subspan(first));
+  fields_.Add(node.triangles, interior, std::span(out).subspan(first));
 }
 
 // A scan that was stopped in the middle of a block is not used again.
@@ -58,7 +58,8 @@ void UnitScan::ScanLeaf(const TileNode& node, const Interior* interior, std::vec
     return;
   }
   std::unique_ptr<BlockScan> scan = scans_.Reserve();
-  DigitizeBlock(context_, node, interior, !plan_.solid || plan_.solid->surface, *scan, out);
+  const bool has_surface = !plan_.solid || plan_.solid->surface != SolidSurface::kNone;
+  DigitizeBlock(context_, node, plan_.solid ? interior : nullptr, has_surface, *scan, out);
   if (!context_.stop.Stopped()) scans_.Release(std::move(scan));
 }
 

@@ -5,11 +5,9 @@
 #include <optional>
 #include <vector>
 
-#include "core/attributes/plan.h"
 #include "core/band/band_scan.h"
-#include "core/band/inside.h"
 #include "core/base/stop_signal.h"
-#include "core/block/attribute_tiles.h"
+#include "core/block/field_tiles.h"
 #include "core/block/scan_pool.h"
 #include "core/block/tile_context.h"
 #include "core/block/tile_job.h"
@@ -24,12 +22,12 @@ namespace latvox {
 // Threads: Scan, any thread.
 class UnitScan {
  public:
-  //   plan   must outlive it, as must `units`; its attributes and corner lines are moved away
+  //   plan   must outlive it, as must `units`
   //   stop   while stopped, tiles are missing
-  UnitScan(ExactPlan& plan, const UnitScheduler& units, StopSignal stop);
+  UnitScan(const ExactPlan& plan, const UnitScheduler& units, StopSignal stop);
 
   // Returns the unit's tiles that are delivered, in canonical order, in global coordinates.
-  //   interior   null, or that of a solid
+  //   interior   null, or that of a solid, or that which decides on the signs of distances
   std::vector<TileBricks> Scan(const TileNode& unit, const Interior* interior) const;
 
   // Leaves the memory of blocks to later jobs. Precondition: no Scan runs.
@@ -42,7 +40,7 @@ class UnitScan {
   const ExactPlan& plan_;
   const UnitScheduler& units_;
   const TileContext context_;
-  const AttributeTiles attributes_;
+  const FieldTiles fields_;
   const std::optional<BandContext> band_;
   mutable ScanPool<BlockScan> scans_;
   mutable ScanPool<BandScan> band_scans_;

@@ -52,7 +52,7 @@ void UnitScheduler::AddInterior(const Interior& interior) {
   tree_.KeepEmpty();
 }
 
-// A band's tile has up to a megabyte of values, and a tile with attributes up to three.
+// A tile has up to kMostBytesOfVoxel * 2^18 bytes of fields.
 bool UnitScheduler::IsUnit(const TileNode& node) const {
   if (plan_.has_large_tiles) return tree_.IsLeaf(node);
   const int max_level = interior_ != nullptr ? kMaxSolidUnitLevel : kMaxUnitLevel;
@@ -83,7 +83,9 @@ bool UnitScheduler::IsLeftOut(const TileNode& node) const {
 // The pipeline waits for this function. So many threads split large nodes, and many nodes at a time.
 std::optional<TileNode> UnitScheduler::Next() {
   if (!std::exchange(started_, true)) {
-    if (!plan_.input.band) tree_.SetLeafLevel(BlockLevel(tree_.level()));
+    // A tile of a band has megabytes, and so has one of a solid with fields.
+    const bool has_full_tiles = plan_.input.band || (plan_.solid && plan_.input.fields);
+    if (!has_full_tiles) tree_.SetLeafLevel(BlockLevel(tree_.level()));
     // Isolated, so that the waiting thread does not take up a unit meanwhile.
     oneapi::tbb::this_task_arena::isolate([&] { todo_ = tree_.Top(std::exchange(kept_, std::nullopt)); });
     std::reverse(todo_.begin(), todo_.end());

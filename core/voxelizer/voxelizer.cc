@@ -7,10 +7,10 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "core/attributes/plan.h"
 #include "core/base/status_payload.h"
 #include "core/block/tile_job.h"
 #include "core/brick/tile_order.h"
+#include "core/fields/plan.h"
 #include "core/snap/snap.h"
 #include "core/thesis/thesis.h"
 #include "core/voxelizer/exact_job.h"
@@ -48,19 +48,17 @@ absl::StatusOr<std::optional<BandPlan>> PlanOfBand(const VoxelRequest& request, 
   return MakeBandPlan(*request.band(), lattice);
 }
 
-absl::Status CheckFieldsOf(const TriangleMesh& mesh, const FieldList& fields) {
-  if (mesh.attributes.size() == mesh.vertex_count() * fields.size() || fields.empty()) return absl::OkStatus();
-  return absl::InvalidArgumentError(absl::StrCat("attributes: the mesh has ", mesh.attributes.size(), " for ",
-                                                 mesh.vertex_count(), " vertices, not ", fields.size(), " each"));
+absl::Status CheckFieldsOf(const TriangleMesh& mesh, const FieldList& of_mesh) {
+  if (mesh.attributes.size() == mesh.vertex_count() * of_mesh.size()) return absl::OkStatus();
+  return absl::InvalidArgumentError(absl::StrCat("fields: the mesh has ", mesh.attributes.size(), " numbers for ",
+                                                 mesh.vertex_count(), " vertices, not ", of_mesh.size(), " each"));
 }
 
 // Nullopt if voxels carry no field.
-absl::StatusOr<std::optional<CarriedAttributes>> MakeAttributes(std::vector<uint32_t> of_vertices,
-                                                                const Lattice& lattice, const VoxelRequest& request) {
+absl::StatusOr<std::optional<FieldPlan>> PlanOfFields(std::vector<uint32_t> of_vertices, const Lattice& lattice,
+                                                      const VoxelRequest& request) {
   if (request.fields.empty()) return std::nullopt;
-  auto plan = MakeAttributePlan(lattice, lattice.frames(request.separability), request.is_supercover());
-  if (!plan.ok()) return plan.status();
-  return CarriedAttributes{*std::move(plan), request.fields.size(), std::move(of_vertices)};
+  return MakeFieldPlan(request, lattice, std::move(of_vertices));
 }
 
 absl::Status CheckResumePoint(const VoxelRequest& request, const IndexBox& box) {
@@ -83,9 +81,10 @@ absl::StatusOr<std::unique_ptr<VoxelizeJob>> MakeJob(Mesh mesh, const Grid& grid
                                                      StopSignal stop) {
   const absl::StatusOr<std::optional<BandPlan>> band = PlanOfBand(request, grid.lattice);
   if (!band.ok()) return band.status();
-  if (auto status = CheckFieldsOf(MeshOf(mesh), request.fields); !status.ok()) return status;
-  auto attributes = MakeAttributes(AttributesOf(mesh), grid.lattice, request);
-  if (!attributes.ok()) return attributes.status();
+  const FieldList of_mesh = request.fields.OfMesh();
+  if (auto status = CheckFieldsOf(MeshOf(mesh), of_mesh); !status.ok() && !of_mesh.empty()) return status;
+  auto fields = PlanOfFields(AttributesOf(mesh), grid.lattice, request);
+  if (!fields.ok()) return fields.status();
   auto supercover = SupercoverFor(grid.lattice, request);
   if (!supercover.ok()) return supercover.status();
   const std::vector<Frame>& frames = grid.lattice.frames(request.separability);
@@ -103,9 +102,9 @@ absl::StatusOr<std::unique_ptr<VoxelizeJob>> MakeJob(Mesh mesh, const Grid& grid
   if (auto status = CheckResumePoint(request, Moved(region, snapped->base_ijk)); !status.ok()) return status;
   std::unique_ptr<VoxelizeJob> job;
   if (exact) {
-    auto plan = MakeExactPlan(
-        {*std::move(snapped), frames, *std::move(supercover), *band, *std::move(attributes), region, bounds}, request,
-        stop);
+    auto plan =
+        MakeExactPlan({*std::move(snapped), frames, *std::move(supercover), *band, *std::move(fields), region, bounds},
+                      request, stop);
     if (!plan.ok()) return plan.status();
     job = MakeExactJob(*std::move(plan));
   } else {
@@ -115,11 +114,11 @@ absl::StatusOr<std::unique_ptr<VoxelizeJob>> MakeJob(Mesh mesh, const Grid& grid
   return job;
 }
 
-// Adds each brick with its part of the values, `each` for every voxel.
-template <class T>
-void AddValues(const TileBricks& tile, std::span<const T> values, size_t each, Digest& digest) {
+// Adds each brick with its part of a field.
+void AddField(const TileBricks& tile, std::span<const std::byte> values, Digest& digest) {
+  const size_t bytes = values.size() / tile.voxels;
   for (const Brick& brick : tile.bricks) {
-    const size_t count = CountVoxels(brick.mask) * each;
+    const size_t count = CountVoxels(brick.mask) * bytes;
     digest.Add(brick, values.first(count));
     values = values.subspan(count);
   }
@@ -132,9 +131,8 @@ void JobTotals::Add(const TileBricks& tile) {
   bricks += tile.bricks.size();
   ++tiles;
   for (const Brick& brick : tile.bricks) digest.Add(brick);
-  if (!tile.values.empty()) AddValues<float>(tile, tile.values, 1, values);
-  if (!tile.attributes.empty())
-    AddValues<uint32_t>(tile, tile.attributes, tile.attributes.size() / tile.voxels, attributes);
+  fields.resize(tile.fields.size());
+  for (size_t n = 0; n < fields.size(); ++n) AddField(tile, tile.fields[n], fields[n]);
 }
 
 void JobTotals::Add(const JobTotals& other) {
@@ -142,8 +140,8 @@ void JobTotals::Add(const JobTotals& other) {
   bricks += other.bricks;
   tiles += other.tiles;
   digest.Add(other.digest);
-  values.Add(other.values);
-  attributes.Add(other.attributes);
+  fields.resize(std::max(fields.size(), other.fields.size()));
+  for (size_t n = 0; n < other.fields.size(); ++n) fields[n].Add(other.fields[n]);
 }
 
 absl::StatusOr<std::unique_ptr<VoxelizeJob>> VoxelizeJob::Create(TriangleMesh mesh, const Grid& grid,

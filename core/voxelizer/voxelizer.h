@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "core/brick/brick.h"
@@ -37,8 +38,7 @@ struct JobFacts {
 struct JobTotals {
   uint64_t voxels = 0, bricks = 0, tiles = 0;
   Digest digest;
-  Digest values;      // for a band: of voxels and values
-  Digest attributes;  // of voxels and attributes, if there are any
+  std::vector<Digest> fields;  // of voxels and each field of the request, in its order; empty without a tile
   void Add(const TileBricks& tile);
   void Add(const JobTotals& other);
 };
@@ -56,13 +56,13 @@ class VoxelizeJob {
   // Snaps the mesh, and finds its facts. For a fine mesh, with triangles smaller than voxels, the same pass finds the
   // links that its triangles cross, and keeps them; that is most of the work. Errors: INVALID_ARGUMENT naming field,
   // value and limit: those of MakeRequest; mesh (see CheckMesh), extent, position, resume_after, band (its width on
-  // this lattice), attributes (that the mesh lacks), basis (for a supercover; see IntegerCell). CANCELLED, soon, once
+  // this lattice), fields (that the mesh lacks), basis (for a supercover; see IntegerCell). CANCELLED, soon, once
   // `stop` is stopped, which does not stop the job.
   static absl::StatusOr<std::unique_ptr<VoxelizeJob>> Create(TriangleMesh mesh, const Grid& grid,
                                                              const VoxelizeOptions& options, StopSignal stop = {});
   // Does the same with a request that keeps all rules, and a mesh that was checked while it arrived. CheckMesh takes a
   // tenth of the time of a job with fine triangles. The job takes the mesh, to use its memory; or it shares the mesh
-  // with others, and copies only its attributes. Precondition: CheckMesh(mesh) is OK, unless stopped.
+  // with others, and copies only its numbers for fields. Precondition: CheckMesh(mesh) is OK, unless stopped.
   static absl::StatusOr<std::unique_ptr<VoxelizeJob>> CreateFromValid(TriangleMesh mesh, const Grid& grid,
                                                                       const VoxelRequest& request,
                                                                       StopSignal stop = {});

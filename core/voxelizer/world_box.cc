@@ -135,20 +135,20 @@ void WorldBox::Clip(TileBricks& tile) const {
     return IndexBox{corner, corner + Vec3i{side, side, side}};
   };
   if (ContainsAll(cube(tile.tile_ijk * kTileSide, kTileSide))) return;
-  auto from = tile.values.begin(), to = from;
+  auto from = tile.squares.begin(), to = from;
   tile.voxels = 0;
   for (Brick& brick : tile.bricks) {
     const BrickMask mask = brick.mask;
     if (!ContainsAll(cube(brick.brick_ijk * kBrickSide, kBrickSide))) Clip(brick);
     tile.voxels += CountVoxels(brick.mask);
-    if (tile.values.empty()) continue;
+    if (tile.squares.empty()) continue;
     for (size_t x = 0; x < kBrickSide; ++x) {
       for (uint64_t some = mask[x]; some != 0; some &= some - 1, ++from) {
         if ((brick.mask[x] & some & -some) != 0) *to++ = *from;
       }
     }
   }
-  tile.values.erase(to, tile.values.end());
+  tile.squares.erase(to, tile.squares.end());
   std::erase_if(tile.bricks, [](const Brick& brick) { return CountVoxels(brick.mask) == 0; });
 }
 

@@ -11,8 +11,8 @@ namespace {
 // Errors name the field of the request, because it asked for the attribute.
 template <class... Words>
 absl::Status Refuse(Field kind, const Words&... words) {
-  return MakeError(absl::StatusCode::kInvalidArgument, absl::StrCat("attributes: ", words...),
-                   {"BAD_MESH", "attributes", NameOf(kind), ""});
+  return MakeError(absl::StatusCode::kInvalidArgument, absl::StrCat("fields: ", words...),
+                   {"BAD_MESH", "fields", NameOf(kind), ""});
 }
 
 int IdOf(const draco::Mesh& mesh, Field kind) {

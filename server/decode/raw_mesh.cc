@@ -71,7 +71,7 @@ absl::StatusOr<size_t> IndexOf(Field wanted, const RawMeshLayout& layout) {
   const auto found = std::find(fields.begin(), fields.end(), wanted);
   if (found != fields.end()) return static_cast<size_t>(found - fields.begin());
   return MakeError(absl::StatusCode::kInvalidArgument, absl::StrCat("attributes: the mesh has no ", NameOf(wanted)),
-                   {"BAD_MESH", "attributes", NameOf(wanted), ""});
+                   {"BAD_MESH", "fields", NameOf(wanted), ""});
 }
 
 absl::Status CheckNumber(Field field, uint64_t vertex, uint32_t number) {

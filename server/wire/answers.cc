@@ -56,7 +56,7 @@ void ClaimsToProto(const VoxelRequest& request, const JobFacts& facts, const std
     out.set_whole_minimal(is_minimal);
     return;
   }
-  const bool has_surface = request.surface() != nullptr && (request.solid() == nullptr || request.solid()->surface);
+  const bool has_surface = request.has_surface();
   const bool one_of_several = request.part.shard && request.part.shard->count > 1;
   const bool is_minimal = has_surface && request.is_minimal(), uncut = IsUncut(request.part, facts);
   out.set_tunnel_free(has_surface);
@@ -64,21 +64,13 @@ void ClaimsToProto(const VoxelRequest& request, const JobFacts& facts, const std
   out.set_minimal(is_minimal && uncut && !one_of_several);
 }
 
-void BandToProto(const Band& band, const JobFacts& facts, const JobTotals& totals, v1::BandCertificate& out) {
-  out.set_width(facts.band_width);
-  out.set_is_signed(band.is_signed);
-  out.set_digest(totals.values.ToHex());
-}
-
-void SolidToProto(const Solid& solid, const JobFacts& facts, v1::FillFacts& out) {
-  out.set_rule(std::string{NameOf(facts.interior_rule)});
-  out.set_surface(solid.surface);
-  out.set_unbalanced_lines(facts.unbalanced_lines);
-}
-
-void FieldsToProto(const FieldList& fields, const JobTotals& totals, v1::AttributeCertificate& out) {
-  for (const Field field : fields) out.add_attributes(static_cast<v1::Attribute>(NumberOf(kFieldNumbers, field)));
-  out.set_digest(totals.attributes.ToHex());
+// A field without a tile has the digest of nothing.
+void FieldsToProto(const FieldList& fields, const JobTotals& totals, v1::Certificate& out) {
+  for (size_t n = 0; n < fields.size(); ++n) {
+    v1::FieldCertificate& field = *out.add_fields();
+    field.set_field(static_cast<v1::Field>(NumberOf(kFieldNumbers, fields.view()[n])));
+    field.set_digest((n < totals.fields.size() ? totals.fields[n] : Digest()).ToHex());
+  }
 }
 
 }  // namespace
@@ -112,16 +104,20 @@ v1::Certificate CertificateToProto(const JobSpec& spec, const JobFacts& facts, c
   certificate.set_snap_error_max(facts.snap_error_max);
   certificate.set_quantization_bits(source.quantization_bits);
   certificate.set_algorithm(std::string{NameOf(request.algorithm())});
-  certificate.set_cover(std::string{NameOf(request.is_supercover() ? Cover::kSupercover : Cover::kSeparating)});
+  certificate.set_set(std::string{NameOfSet(request)});
   certificate.set_version(LATVOX_VERSION);
   certificate.set_digest(totals.digest.ToHex());
   if (const auto& shard = request.part.shard) {
     certificate.mutable_shard()->set_index(shard->index);
     certificate.mutable_shard()->set_count(shard->count);
   }
-  if (const Solid* solid = request.solid()) SolidToProto(*solid, facts, *certificate.mutable_fill());
-  if (const Band* band = request.band()) BandToProto(*band, facts, totals, *certificate.mutable_band());
-  if (!request.fields.empty()) FieldsToProto(request.fields, totals, *certificate.mutable_attributes());
+  if (request.solid() != nullptr) {
+    certificate.mutable_solid()->set_rule(std::string{NameOf(facts.interior_rule)});
+    certificate.mutable_solid()->set_unbalanced_lines(facts.unbalanced_lines);
+  }
+  if (request.band() != nullptr) certificate.mutable_band()->set_width(facts.band_width);
+  FieldsToProto(request.fields, totals, certificate);
+  certificate.set_signed_distance(request.signed_distance);
   return certificate;
 }
 

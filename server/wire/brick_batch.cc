@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstddef>
 #include <cstring>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
 
-#include "core/attributes/attributes.h"
 #include "server/wire/brick_codec.h"
 
 namespace latvox {
@@ -20,22 +20,84 @@ constexpr size_t kMaxTileBricks = 512;
 
 static_assert(kMaskBytes == 64);
 static_assert(BrickBatcher::kFullBytes + std::max(kMaxTileBricks * kBrickBytes, kMaxPackedTileBytes) < 1 << 20);
-constexpr size_t kMaxTileValueBytes = kMaxTileBricks * 512 * sizeof(float);
-static_assert(BrickBatcher::kFullBytes + kMaxTileValueBytes < 2 << 20, "the contract's limit of values");
-constexpr size_t kMaxTileAttributeBytes = kMaxTileBricks * 512 * kMaxAttributes * sizeof(uint32_t);
-static_assert(BrickBatcher::kFullBytes + kMaxTileAttributeBytes <= 3670016, "the contract's limit of attributes");
+static_assert(BrickBatcher::kFullBytes + BrickBatcher::kMostPartBytes <= 3670016, "the contract's limit of fields");
+static_assert(512 * kMostBytesOfVoxel <= BrickBatcher::kMostPartBytes, "a brick fits in a part");
 static_assert(std::endian::native == std::endian::little, "masks and values are sent as they lie in memory");
+
+// The n-th bytes of all voxels stand together, for each n in turn.
+std::string InPlanes(std::string_view values, size_t bytes_of_voxel) {
+  const size_t voxels = values.size() / bytes_of_voxel;
+  std::string planes(values.size(), '\0');
+  for (size_t n = 0; n < bytes_of_voxel; ++n) {
+    for (size_t voxel = 0; voxel < voxels; ++voxel) planes[n * voxels + voxel] = values[voxel * bytes_of_voxel + n];
+  }
+  return planes;
+}
+
+// The bricks from `first` to `end` - 1, which have `voxels` voxels after `voxels_before`.
+TileBricks PartOf(const TileBricks& tile, size_t first, size_t end, uint64_t voxels_before, uint64_t voxels) {
+  const auto at = [](auto& list, uint64_t n) { return list.begin() + static_cast<std::ptrdiff_t>(n); };
+  TileBricks part{tile.tile_ijk, {at(tile.bricks, first), at(tile.bricks, end)}, voxels, tile.progress};
+  for (const std::vector<std::byte>& field : tile.fields) {
+    const size_t bytes = field.size() / tile.voxels;
+    part.fields.emplace_back(at(field, voxels_before * bytes), at(field, (voxels_before + voxels) * bytes));
+  }
+  return part;
+}
 
 }  // namespace
 
+std::vector<TileBricks> BrickBatcher::PartsOf(TileBricks tile) const {
+  std::vector<TileBricks> parts;
+  size_t bytes_of_voxel = 0;
+  for (const Field field : fields_) bytes_of_voxel += FactsOf(field).bytes();
+  if (tile.voxels * bytes_of_voxel <= kMostPartBytes) {
+    parts.push_back(std::move(tile));
+    return parts;
+  }
+  size_t first = 0;
+  uint64_t voxels_before = 0, voxels = 0;
+  for (size_t n = 0; n <= tile.bricks.size(); ++n) {
+    const uint64_t more = n < tile.bricks.size() ? CountVoxels(tile.bricks[n].mask) : 0;
+    if (n == tile.bricks.size() || (voxels + more) * bytes_of_voxel > kMostPartBytes) {
+      parts.push_back(PartOf(tile, first, n, voxels_before, voxels));
+      first = n;
+      voxels_before += voxels;
+      voxels = 0;
+    }
+    voxels += more;
+  }
+  return parts;
+}
+
 void BrickBatcher::Add(const TileBricks& tile) {
   encoding_ == BrickEncoding::kMasks ? AddMasks(tile) : AddPacked(tile);
-  batch_.mutable_values()->append(reinterpret_cast<const char*>(tile.values.data()),
-                                  tile.values.size() * sizeof(float));
-  batch_.mutable_attributes()->append(reinterpret_cast<const char*>(tile.attributes.data()),
-                                      tile.attributes.size() * sizeof(uint32_t));
+  AddFields(tile);
   bricks_ += tile.bricks.size();
   progress_ = std::clamp(tile.progress, progress_, 1.0);
+}
+
+void BrickBatcher::AddFields(const TileBricks& tile) {
+  while (static_cast<size_t>(batch_.fields_size()) < tile.fields.size()) batch_.add_fields();
+  for (size_t n = 0; n < tile.fields.size(); ++n) {
+    const std::vector<std::byte>& field = tile.fields[n];
+    batch_.mutable_fields(static_cast<int>(n))
+        ->mutable_values()
+        ->append(reinterpret_cast<const char*>(field.data()), field.size());
+    field_bytes_ += field.size();
+  }
+}
+
+void BrickBatcher::StoreFields() {
+  if (encoding_ != BrickEncoding::kPackedZstd) return;
+  for (int n = 0; n < batch_.fields_size(); ++n) {
+    v1::FieldValues& field = *batch_.mutable_fields(n);
+    std::optional<std::string> frame =
+        CompressWherePays(InPlanes(field.values(), FactsOf(fields_.view()[static_cast<size_t>(n)]).bytes()));
+    if (!frame) continue;
+    field.set_plain_bytes(static_cast<uint32_t>(field.values().size()));
+    field.set_values(*std::move(frame));
+  }
 }
 
 void BrickBatcher::AddMasks(const TileBricks& tile) {
@@ -77,14 +139,15 @@ void BrickBatcher::StorePacked() {
 
 bool BrickBatcher::full() const {
   const size_t bytes = encoding_ == BrickEncoding::kMasks ? bricks_ * kBrickBytes : packed_bytes_;
-  return bytes + batch_.values().size() + batch_.attributes().size() >= full_bytes_ ||
-         bricks_ > kMaxBricks - kMaxTileBricks;
+  return bytes + field_bytes_ >= full_bytes_ || bricks_ > kMaxBricks - kMaxTileBricks;
 }
 
-v1::BrickBatch BrickBatcher::Release() {
+v1::BrickBatch BrickBatcher::Release(bool tile_continues) {
   if (packed_bytes_ != 0) StorePacked();
+  StoreFields();
+  batch_.set_tile_continues(tile_continues);
   batch_.set_progress(progress_);
-  bricks_ = 0;
+  bricks_ = field_bytes_ = 0;
   full_bytes_ = std::min(2 * full_bytes_, kFullBytes);
   return std::exchange(batch_, {});
 }

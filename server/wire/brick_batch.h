@@ -5,8 +5,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "core/brick/brick.h"
+#include "core/request/fields.h"
 #include "latvox/v1/voxelizer.pb.h"
 
 namespace latvox {
@@ -18,35 +20,45 @@ enum class BrickEncoding { kMasks, kPacked, kPackedZstd };
 class BrickBatcher {
  public:
   // A batch is full at this size, before zstd. The first batches of a stream are full at an eighth, a quarter and a
-  // half of it, so that the client can start early. One more tile has at most 512 * 76 bytes, so messages stay below 1
-  // MiB. A tile has up to 1 MiB of values: messages stay below 3 MiB. A tile has up to 3 MiB of attributes: messages
-  // stay below 4 MiB.
+  // half of it, so that the client can start early. One more tile has at most 512 * 76 bytes, and each part of it at
+  // most kMostPartBytes of fields. So messages stay below 1 MiB, and with fields below 4 MiB.
   static constexpr size_t kFullBytes = size_t{512} << 10;
   static constexpr size_t kFirstFullBytes = kFullBytes / 8;
   // The contract's limit. Bricks that pack well reach it before kFullBytes.
   static constexpr size_t kMaxBricks = 32768;
+  // Of all fields of a part of a tile.
+  static constexpr size_t kMostPartBytes = size_t{3} << 20;
 
-  explicit BrickBatcher(BrickEncoding encoding) : encoding_(encoding) {}
+  BrickBatcher(BrickEncoding encoding, const FieldList& fields) : encoding_(encoding), fields_(fields) {}
 
-  void Add(const TileBricks& tile);
+  // Divides a tile into parts with at most kMostPartBytes of fields, in order. Mostly that is the tile itself.
+  std::vector<TileBricks> PartsOf(TileBricks tile) const;
+
+  // Adds a tile, or a part of one.
+  void Add(const TileBricks& part);
 
   bool empty() const { return bricks_ == 0; }
   bool full() const;
 
   // Returns the batch so far, and begins an empty one. Its progress is that of the last tile, and never decreases.
-  v1::BrickBatch Release();
+  //   tile_continues   whether it ends with a part of a tile, which is not the last one
+  v1::BrickBatch Release(bool tile_continues = false);
 
  private:
+  void AddFields(const TileBricks& tile);
+  void StoreFields();
   void AddMasks(const TileBricks& tile);
   void AddPacked(const TileBricks& tile);
   void GrowPacked();
   void StorePacked();
 
   const BrickEncoding encoding_;
+  const FieldList fields_;
   v1::BrickBatch batch_;
   std::unique_ptr<uint8_t[]> packed_;  // kept from batch to batch
   size_t packed_room_ = 0, packed_bytes_ = 0;
-  size_t bricks_ = 0;  // in batch_ or packed_
+  size_t bricks_ = 0;       // in batch_ or packed_
+  size_t field_bytes_ = 0;  // in batch_
   size_t full_bytes_ = kFirstFullBytes;
   double progress_ = 0;
 };

@@ -1,5 +1,6 @@
 #include "server/wire/convert.h"
 
+#include <algorithm>
 #include <string>
 #include <utility>
 #include <variant>
@@ -45,13 +46,13 @@ absl::StatusOr<GridRequest> GridFromProto(const v1::VoxelizeSpec& spec) {
   return request.ok() ? std::move(request) : WithCauseOfCore(request.status(), FieldNamesOf(spec));
 }
 
-absl::StatusOr<std::optional<Solid>> SolidFromProto(const v1::Fill& fill) {
-  const absl::StatusOr<bool> is_solid = Meaning(kFillModeNumbers, fill.mode(), "fill.mode", "a mode");
-  if (!is_solid.ok()) return is_solid.status();
-  if (!*is_solid) return std::nullopt;
-  const absl::StatusOr<InteriorRule> rule = Meaning(kInteriorRuleNumbers, fill.rule(), "fill.rule", "a rule");
+absl::StatusOr<SetOption> SolidFromProto(const v1::Solid& solid) {
+  const absl::StatusOr<InteriorRule> rule = Meaning(kInteriorRuleNumbers, solid.rule(), "solid.rule", "a rule");
   if (!rule.ok()) return rule.status();
-  return Solid{.rule = *rule, .surface = !fill.has_surface() || fill.surface(), .force_open = fill.force_open()};
+  const absl::StatusOr<SolidSurface> surface =
+      Meaning(kSolidSurfaceNumbers, solid.surface(), "solid.surface", "a surface");
+  if (!surface.ok()) return surface.status();
+  return Solid{.rule = *rule, .surface = *surface, .force_open = solid.force_open()};
 }
 
 absl::StatusOr<Bounds> BoundsFromProto(const v1::WorldBox& box) {
@@ -60,18 +61,33 @@ absl::StatusOr<Bounds> BoundsFromProto(const v1::WorldBox& box) {
   return BadSpec(absl::StrCat(field, " is not set"), field, "");
 }
 
-absl::StatusOr<Band> BandFromProto(const v1::Band& band) {
-  if (band.has_voxels()) return Band{band.voxels(), true, band.is_signed()};
-  if (band.has_width()) return Band{band.width(), false, band.is_signed()};
+absl::StatusOr<SetOption> BandFromProto(const v1::Band& band) {
+  if (band.has_voxels()) return Band{band.voxels(), true};
+  if (band.has_width()) return Band{band.width(), false};
   return BadSpec("band: neither width nor voxels is set", "band", "");
 }
 
-//   name   of the request's field
+absl::StatusOr<SetOption> SetFromProto(const v1::VoxelizeSpec& spec) {
+  switch (spec.set_case()) {
+    case v1::VoxelizeSpec::kSupercover:
+      return SupercoverSurface{};
+    case v1::VoxelizeSpec::kSolid:
+      return SolidFromProto(spec.solid());
+    case v1::VoxelizeSpec::kBand:
+      return BandFromProto(spec.band());
+    case v1::VoxelizeSpec::kSurface:
+    case v1::VoxelizeSpec::SET_NOT_SET:
+      break;
+  }
+  return SeparatingSurface{};
+}
+
+//   name_of_list   in the request
 absl::StatusOr<FieldList> FieldsFromProto(const google::protobuf::RepeatedField<int>& numbers,
                                           const char* name_of_list) {
   FieldList fields;
   for (const int number : numbers) {
-    const absl::StatusOr<Field> field = Meaning(kFieldNumbers, number, name_of_list, "an attribute");
+    const absl::StatusOr<Field> field = Meaning(kFieldNumbers, number, name_of_list, "a field");
     if (!field.ok()) return field.status();
     const std::string name{NameOf(*field)};
     if (fields.Contains(*field)) {
@@ -80,6 +96,14 @@ absl::StatusOr<FieldList> FieldsFromProto(const google::protobuf::RepeatedField<
     fields.Add(*field);
   }
   return fields;
+}
+
+absl::StatusOr<FieldList> MeshFieldsFromProto(const v1::RawMesh& raw) {
+  auto fields = FieldsFromProto(raw.fields(), "raw_mesh.fields");
+  if (!fields.ok() || fields->OfMesh() == *fields) return fields;
+  const auto other = std::ranges::find_if(*fields, [](Field field) { return !FactsOf(field).is_of_mesh(); });
+  const std::string name{NameOf(*other)};
+  return BadSpec(absl::StrCat("raw_mesh.fields: a mesh has no ", name, " for its vertices"), "raw_mesh.fields", name);
 }
 
 // Where spec has a field, sets `out` to its meaning.
@@ -99,11 +123,10 @@ absl::StatusOr<VoxelRequest> RequestFromProto(const v1::VoxelizeSpec& spec) {
   options.verify = spec.verify();
   absl::Status status =
       Assign(Meaning(kAlgorithmNumbers, spec.algorithm(), "algorithm", "an algorithm"), options.algorithm);
-  status.Update(Assign(Meaning(kCoverNumbers, spec.cover(), "cover", "a cover"), options.cover));
   if (spec.has_bounds()) status.Update(Assign(BoundsFromProto(spec.bounds()), options.bounds));
-  status.Update(Assign(SolidFromProto(spec.fill()), options.solid));
-  if (spec.has_band()) status.Update(Assign(BandFromProto(spec.band()), options.band));
-  status.Update(Assign(FieldsFromProto(spec.attributes(), "attributes"), options.fields));
+  status.Update(Assign(SetFromProto(spec), options.set));
+  status.Update(Assign(FieldsFromProto(spec.fields(), "fields"), options.fields));
+  options.signed_distance = spec.signed_distance();
   if (!status.ok()) return status;
   auto request = MakeRequest(options);
   return request.ok() ? std::move(request) : WithCauseOfCore(request.status());
@@ -119,9 +142,9 @@ absl::StatusOr<RawMeshLayout> RawMeshFromProto(const v1::RawMesh& raw, const Lim
   }
   const auto doubles = Meaning(kPositionTypeNumbers, raw.positions(), "raw_mesh.positions", "a type of numbers");
   if (!doubles.ok()) return doubles.status();
-  const auto attributes = FieldsFromProto(raw.attributes(), "raw_mesh.attributes");
-  if (!attributes.ok()) return attributes.status();
-  const RawMeshLayout layout{raw.vertices(), raw.triangles(), *doubles, *attributes};
+  const auto fields = MeshFieldsFromProto(raw);
+  if (!fields.ok()) return fields.status();
+  const RawMeshLayout layout{raw.vertices(), raw.triangles(), *doubles, *fields};
   if (layout.bytes() > limits.max_mesh_bytes) {
     return LimitExceeded("mesh_bytes", layout.bytes(), limits.max_mesh_bytes);
   }

@@ -38,13 +38,11 @@ inline constexpr EnumTable<Algorithm, 5> kAlgorithmNumbers{
      {v1::ALGORITHM_INCREMENTAL, Algorithm::kIncremental},
      {v1::ALGORITHM_OPTIMIZED_INCREMENTAL, Algorithm::kOptimizedIncremental}}};
 
-inline constexpr EnumTable<Cover, 3> kCoverNumbers{{{v1::COVER_UNSPECIFIED, Cover::kSeparating},
-                                                    {v1::COVER_SEPARATING, Cover::kSeparating},
-                                                    {v1::COVER_SUPERCOVER, Cover::kSupercover}}};
-
-// Whether the set includes the points inside.
-inline constexpr EnumTable<bool, 3> kFillModeNumbers{
-    {{v1::FILL_MODE_UNSPECIFIED, false}, {v1::FILL_MODE_SURFACE, false}, {v1::FILL_MODE_SOLID, true}}};
+inline constexpr EnumTable<SolidSurface, 4> kSolidSurfaceNumbers{
+    {{v1::SOLID_SURFACE_UNSPECIFIED, SolidSurface::kSeparating},
+     {v1::SOLID_SURFACE_SEPARATING, SolidSurface::kSeparating},
+     {v1::SOLID_SURFACE_SUPERCOVER, SolidSurface::kSupercover},
+     {v1::SOLID_SURFACE_NONE, SolidSurface::kNone}}};
 
 inline constexpr EnumTable<InteriorRule, 4> kInteriorRuleNumbers{
     {{v1::INTERIOR_RULE_UNSPECIFIED, InteriorRule::kAuto},
@@ -66,9 +64,13 @@ inline constexpr EnumTable<BrickEncoding, 4> kEncodingNumbers{
      {v1::BRICK_ENCODING_PACKED, BrickEncoding::kPacked},
      {v1::BRICK_ENCODING_PACKED_ZSTD, BrickEncoding::kPackedZstd}}};
 
-inline constexpr EnumTable<Field, 3> kFieldNumbers{{{v1::ATTRIBUTE_PART, Field::kPart},
-                                                    {v1::ATTRIBUTE_MATERIAL, Field::kMaterial},
-                                                    {v1::ATTRIBUTE_COLOR, Field::kColor}}};
+inline constexpr EnumTable<Field, kFields.size()> kFieldNumbers{{{v1::FIELD_PART, Field::kPart},
+                                                                 {v1::FIELD_MATERIAL, Field::kMaterial},
+                                                                 {v1::FIELD_COLOR, Field::kColor},
+                                                                 {v1::FIELD_DISTANCE, Field::kDistance},
+                                                                 {v1::FIELD_TRIANGLE, Field::kTriangle},
+                                                                 {v1::FIELD_POINT, Field::kPoint},
+                                                                 {v1::FIELD_NORMAL, Field::kNormal}}};
 
 // Returns the meaning of a number on the wire. Errors: INVALID_ARGUMENT with an ErrorCause if the table does not have
 // it.

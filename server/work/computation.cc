@@ -69,7 +69,7 @@ Computation::Computation(JobSpec spec, std::string request_id, const CallEnviron
       request_id_(std::move(request_id)),
       environment_(environment),
       memory_(spec_.request, environment.bulk.threads(), environment.memory, environment.client),
-      batcher_(spec_.encoding) {}
+      batcher_(spec_.encoding, spec_.request.fields) {}
 
 absl::Status Computation::CheckCancelled() const {
   return stop_.Stopped() ? absl::CancelledError("the request was cancelled") : absl::OkStatus();
@@ -119,7 +119,7 @@ absl::Status Computation::ReadRaw(const RawMeshLayout& layout) {
     absl::Status status = memory_.ReserveDecode(mesh_bytes_, layout.triangles,
                                                 layout.has_doubles ? AsFloats(layout.vertices) : layout.vertices);
     if (!status.ok()) return status;
-    auto mesh = ReadRawMesh(std::exchange(mesh_, {}), layout, spec_.request.fields, stop_.Signal());
+    auto mesh = ReadRawMesh(std::exchange(mesh_, {}), layout, spec_.request.fields.OfMesh(), stop_.Signal());
     facts_.decode_ms = MillisecondsSince(decode_began_);
     return mesh.ok() ? ReceiveDecoded(DecodedMesh{*std::move(mesh)}) : mesh.status();
   });
@@ -134,7 +134,7 @@ void Computation::Decode(std::function<void(const absl::Status&)> decoded) {
   decode_began_ = Clock::now();
   const std::lock_guard lock(decoding_mu_);
   decoding_ = environment_.decoder.Start(
-      {std::exchange(mesh_, {}), spec_.request.fields, request_id_, environment_.client}, environment_.limits,
+      {std::exchange(mesh_, {}), spec_.request.fields.OfMesh(), request_id_, environment_.client}, environment_.limits,
       [this](uint64_t triangles, uint64_t vertices) { return memory_.ReserveDecode(mesh_bytes_, triangles, vertices); },
       [this, decoded = std::move(decoded)](absl::StatusOr<DecodedMesh> mesh) {
         facts_.decode_ms = MillisecondsSince(decode_began_);
@@ -146,7 +146,7 @@ void Computation::Decode(std::function<void(const absl::Status&)> decoded) {
 // Leaves it to the decoder to refuse a mesh over this caller's limits.
 bool Computation::FindDecoded() {
   if (!mesh_comes_again_) return false;
-  kept_ = environment_.meshes.FindDecoded(*spec_.mesh_digest, spec_.request.fields);
+  kept_ = environment_.meshes.FindDecoded(*spec_.mesh_digest, spec_.request.fields.OfMesh());
   const Limits& limits = environment_.limits;
   if (kept_ &&
       (kept_->mesh.triangles.size() > limits.max_triangles || kept_->mesh.vertex_count() > limits.max_vertices)) {
@@ -187,7 +187,7 @@ void Computation::ShareIfItComesAgain() {
   decoded_.extent = ExtentOf(decoded_.mesh, stop_.Signal());
   // The digest of raw arrays does not tell their layout.
   if (!mesh_comes_again_ || spec_.raw_mesh || stop_.Stopped()) return;
-  kept_ = environment_.meshes.KeepDecoded(*spec_.mesh_digest, spec_.request.fields, std::move(decoded_));
+  kept_ = environment_.meshes.KeepDecoded(*spec_.mesh_digest, spec_.request.fields.OfMesh(), std::move(decoded_));
 }
 
 JobEstimate Computation::EstimateJob(const TriangleMesh& mesh, double voxels) const {
@@ -296,7 +296,7 @@ absl::StatusOr<bool> Computation::Advance(const Deliver& deliver, const std::fun
       const Clock::time_point now = Clock::now(), slice_end = now + kSlice;
       small_since_ = large_ ? 0 : now.time_since_epoch().count();
       done = job_->Advance([&](TileBricks&& tile) {
-        const bool more = HandleTile(tile, deliver);
+        const bool more = HandleTile(std::move(tile), deliver);
         return more && (Clock::now() < slice_end || !make_way());
       });
       small_since_ = 0;
@@ -323,7 +323,7 @@ const JobTotals& Computation::totals() const { return DeliversTheEndOnly() ? del
 
 bool Computation::DeliversTheEndOnly() const { return spec_.request.verify && spec_.request.part.resume_after; }
 
-bool Computation::HandleTile(const TileBricks& tile, const Deliver& deliver) {
+bool Computation::HandleTile(TileBricks tile, const Deliver& deliver) {
   if (!failure_.ok()) return false;
   if (spec_.request.verify) {
     failure_ = KeepForVerification(tile);
@@ -334,8 +334,21 @@ bool Computation::HandleTile(const TileBricks& tile, const Deliver& deliver) {
     if (TileNumber(tile.tile_ijk - first) <= TileNumber(*spec_.request.part.resume_after - first)) return true;
     delivered_.Add(tile);
   }
-  batcher_.Add(tile);
-  return batcher_.full() || Clock::now() - last_delivery_ > kMaxBatchAge ? DeliverBatch(deliver) : true;
+  return AddToBatch(std::move(tile), deliver);
+}
+
+// A tile with large fields leaves in several batches.
+bool Computation::AddToBatch(TileBricks tile, const Deliver& deliver) {
+  std::vector<TileBricks> parts = batcher_.PartsOf(std::move(tile));
+  bool more = true;
+  if (parts.size() > 1 && !batcher_.empty()) more = DeliverBatch(deliver);
+  for (size_t n = 0; n + 1 < parts.size(); ++n) {
+    batcher_.Add(parts[n]);
+    more &= DeliverBatch(deliver, /*tile_continues=*/true);
+  }
+  batcher_.Add(parts.back());
+  if (!batcher_.full() && Clock::now() - last_delivery_ <= kMaxBatchAge) return more;
+  return DeliverBatch(deliver) && more;
 }
 
 absl::Status Computation::KeepForVerification(const TileBricks& tile) {
@@ -344,10 +357,10 @@ absl::Status Computation::KeepForVerification(const TileBricks& tile) {
   return absl::OkStatus();
 }
 
-bool Computation::DeliverBatch(const Deliver& deliver) {
+bool Computation::DeliverBatch(const Deliver& deliver, bool tile_continues) {
   last_delivery_ = Clock::now();
   v1::VoxelizeResponse response;
-  *response.mutable_bricks() = batcher_.Release();
+  *response.mutable_bricks() = batcher_.Release(tile_continues);
   return deliver(std::move(response));
 }
 

@@ -102,11 +102,12 @@ class Computation {
   bool VerifiesLong() const;
   absl::Status CheckVisits(absl::string_view what, double visits) const;
   absl::Status CreateJob();
-  bool HandleTile(const TileBricks& tile, const Deliver& deliver);
+  bool HandleTile(TileBricks tile, const Deliver& deliver);
+  bool AddToBatch(TileBricks tile, const Deliver& deliver);
   bool DeliversTheEndOnly() const;
   const JobTotals& totals() const;
   absl::Status KeepForVerification(const TileBricks& tile);
-  bool DeliverBatch(const Deliver& deliver);
+  bool DeliverBatch(const Deliver& deliver, bool tile_continues = false);
   absl::Status DeliverSummary(const Deliver& deliver);
 
   const JobSpec spec_;

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <utility>
 
+#include "core/fields/triangle_index.h"
 #include "core/solid/interior.h"
 
 namespace latvox {
@@ -15,12 +16,14 @@ constexpr uint64_t kStreamBytes = uint64_t{8} << 20;
 // A thread: the memory of its scan.
 constexpr uint64_t kThreadBytes = uint64_t{6} << 20;
 constexpr uint64_t kSolidThreadBytes = uint64_t{2} << 20;
-constexpr uint64_t kAttributeThreadBytes = uint64_t{24} << 20;
+// With fields: the search, and the fields of blocks in flight: of two tiles of a solid or a band, which may be full, or
+// of two blocks of a surface, as measured.
+constexpr uint64_t kFieldThreadBytes = uint64_t{4} << 20, kFieldThreadVoxels = uint64_t{2} << 20;
 
-// The mesh: its arrays and those of the job, as measured, and half as much again. An attribute counts twice for each
-// vertex: in the job's mesh, and in a mesh that the store has dropped since.
+// The mesh: its arrays and those of the job, as measured, and half as much again. A field of the mesh counts twice for
+// each vertex: in the job's mesh, and in a mesh that the store has dropped since.
 constexpr uint64_t kBytesPerTriangle = 48, kBytesPerVertex = 24;
-constexpr uint64_t kBytesPerAttribute = 8;
+constexpr uint64_t kBytesPerMeshField = 8;
 
 // Thinning: where triangles fill a volume, many voxels of a block of 128^3 are in doubt.
 constexpr double kBlockSide = 128, kBytesPerVoxelOfBlock = 60, kMostBytesOfBlock = 64 << 20;
@@ -67,14 +70,17 @@ void JobMemory::Free() { memory_.Shrink(0); }
 
 // For a job with a mesh of this size.
 uint64_t JobMemory::BytesOf(uint64_t triangles, uint64_t vertices) const {
-  const uint64_t attributes = request_.fields.size();
-  return kStreamBytes + threads_ * (kThreadBytes + (attributes != 0 ? kAttributeThreadBytes : 0)) +
-         triangles * kBytesPerTriangle + vertices * (kBytesPerVertex + attributes * kBytesPerAttribute);
+  uint64_t bytes_of_voxel = 0;
+  for (const Field field : request_.fields) bytes_of_voxel += FactsOf(field).bytes();
+  const uint64_t of_thread = bytes_of_voxel == 0 ? 0 : kFieldThreadBytes + kFieldThreadVoxels * bytes_of_voxel;
+  const uint64_t of_triangle = bytes_of_voxel == 0 ? 0 : TriangleIndex::kBytesPerTriangle;
+  return kStreamBytes + threads_ * (kThreadBytes + of_thread) + triangles * (kBytesPerTriangle + of_triangle) +
+         vertices * (kBytesPerVertex + request_.fields.OfMesh().size() * kBytesPerMeshField);
 }
 
-// More for a job that fills.
+// More for a job that finds the inside.
 uint64_t JobMemory::BytesOfSolid(double line_crossings) const {
-  if (request_.solid() == nullptr) return 0;
+  if (request_.solid() == nullptr && !request_.signed_distance) return 0;
   return threads_ * kSolidThreadBytes + ToBytes(line_crossings * kBytesPerLineCrossing);
 }
 

@@ -41,7 +41,7 @@ LATTICES = (
 MESHES = ((BUNNY, (40, 128, 256, 512, 1024)), (HORSE, (128, 512)), ("box", (64, 300)), ("sphere:30000", (128, 256)))
 JOBS = [
     *(f"{mesh} {side} {lattice}" for mesh, sides in MESHES for side, lattice in itertools.product(sides, LATTICES)),
-    *(f"{BUNNY} 256 {options}" for options in ("--no-minimal", "--fill solid", "--cover supercover")),
+    *(f"{BUNNY} 256 {options}" for options in ("--no-minimal", "--set solid", "--set supercover")),
 ]
 ONCE = "--warmups 0 --reps 1 --threads 1 --json"
 RESULT = re.compile(r'^\{"(?:voxels|error)".*\}', re.MULTILINE)

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <map>
 #include <utility>
+#include <variant>
 
 #include "absl/strings/str_cat.h"
 
@@ -21,8 +22,9 @@ const std::map<std::string, NamedLattice>& Lattices() {
 
 // Options whose type differs from that of their value in Arguments.
 struct Words {
-  std::string algorithm = "exact", simd = "best", peer, fill = "surface", rule = "parity", cover;
-  bool without_surface = false, minimal = true;
+  std::string algorithm = "exact", simd = "best", peer, set, rule = "parity";
+  bool minimal = true;
+  std::vector<std::string> fields;
   std::vector<int32_t> region;
   std::vector<double> bounds;
   std::vector<uint32_t> shard;
@@ -36,6 +38,20 @@ CLI::IsMember OneOf(const Names& names) {
   words.reserve(names.size());
   for (const auto& [value, name] : names) words.emplace_back(name);
   return CLI::IsMember(words);
+}
+
+std::vector<std::string> FieldNames() {
+  std::vector<std::string> names;
+  for (const FieldFacts& row : kFields) names.emplace_back(row.name);
+  return names;
+}
+
+SetOption SetOf(const Words& words) {
+  if (words.band > 0) return Band{.width = words.band, .in_voxels = true};
+  if (words.set == "supercover") return SupercoverSurface{};
+  if (words.set != "solid" && words.set != "interior") return SeparatingSurface{};
+  return Solid{.rule = words.rule == "parity" ? InteriorRule::kParity : InteriorRule::kWinding,
+               .surface = words.set == "solid" ? SolidSurface::kSeparating : SolidSurface::kNone};
 }
 
 void Declare(CLI::App& app, Arguments& arguments, Words& words) {
@@ -55,14 +71,14 @@ void Declare(CLI::App& app, Arguments& arguments, Words& words) {
       ->delimiter(',')
       ->expected(6);
   app.add_option("--shard", words.shard, "I/N: only part I, from 0, of N")->delimiter('/')->expected(2);
-  app.add_option("--band", words.band, "a band of distances, this many voxel sizes wide")->check(CLI::PositiveNumber);
+  app.add_option("--band", words.band, "a band, this many voxel sizes wide")->check(CLI::PositiveNumber);
   app.add_option("--algorithm", words.algorithm)->check(OneOf(kAlgorithms));
-  app.add_option("--fill", words.fill)->check(CLI::IsMember({"surface", "solid"}));
-  app.add_option("--interior-rule", words.rule, "which points are inside a solid")
-      ->check(CLI::IsMember({"parity", "winding"}));
-  app.add_flag("--without-surface", words.without_surface, "a solid without its surface's voxels");
-  app.add_option("--cover", words.cover)
-      ->check(CLI::IsMember({std::string(NameOf(Cover::kSeparating)), std::string(NameOf(Cover::kSupercover))}));
+  app.add_option("--set", words.set)->check(CLI::IsMember({"surface", "supercover", "solid", "interior"}));
+  app.add_option("--rule", words.rule, "which points are inside a solid")->check(CLI::IsMember({"parity", "winding"}));
+  app.add_option("--fields", words.fields, "what voxels carry; default: distance for a band, otherwise nothing")
+      ->delimiter(',')
+      ->check(CLI::IsMember(FieldNames()));
+  app.add_flag("--signed", options.signed_distance, "distances are negative inside");
   app.add_option("--simd", words.simd, "kernels")->check(OneOf(kSimdNames));
   app.add_option("--threads", arguments.threads)->check(CLI::Range(1, kMaxThreads));
   app.add_option("--warmups", arguments.warmups, "repetitions before the clock")->check(CLI::Range(0, 1000));
@@ -96,13 +112,12 @@ absl::StatusOr<Arguments> ParseArguments(std::vector<std::string> words) {
   if (arguments.resolution == 0) return absl::InvalidArgumentError("MESH and RESOLUTION are required; see --help");
   VoxelizeOptions& options = named.options;
   options.algorithm = *AlgorithmNamed(named.algorithm);
-  if (named.fill == "solid") {
-    const InteriorRule rule = named.rule == "parity" ? InteriorRule::kParity : InteriorRule::kWinding;
-    options.solid = Solid{.rule = rule, .surface = !named.without_surface};
+  options.set = SetOf(named);
+  for (const std::string& name : named.fields) {
+    options.fields.Add(std::ranges::find(kFields, name, &FieldFacts::name)->field);
   }
-  if (named.cover == NameOf(Cover::kSupercover)) options.cover = Cover::kSupercover;
+  if (named.band > 0 && named.fields.empty()) options.fields = {Field::kDistance};
   arguments.simd = *SimdNamed(named.simd);
-  if (named.band > 0) options.band = Band{.width = named.band, .in_voxels = true};
   arguments.openvdb = !named.peer.empty();
   const std::pair<const char*, bool> ours[] = {{"--lattice", arguments.lattice != "cartesian"},
                                                {"--basis", !arguments.basis.empty()},
@@ -110,18 +125,17 @@ absl::StatusOr<Arguments> ParseArguments(std::vector<std::string> words) {
                                                {"--bounds", !named.bounds.empty()},
                                                {"--shard", !named.shard.empty()},
                                                {"--algorithm", options.algorithm != Algorithm::kExact},
-                                               {"--fill", options.solid.has_value()},
-                                               {"--cover", options.cover != Cover::kSeparating}};
+                                               {"--set", !named.set.empty()},
+                                               {"--fields", !named.fields.empty()}};
   for (const auto& [option, is_given] : ours) {
     if (arguments.openvdb && is_given) {
       return absl::InvalidArgumentError(absl::StrCat("--peer: OpenVDB has no equivalent of ", option));
     }
   }
-  for (const char* option : {"--interior-rule", "--without-surface"}) {
-    if (!options.solid && app.count(option) > 0) {
-      return absl::InvalidArgumentError(absl::StrCat(option, ": needs --fill solid"));
-    }
+  if (!std::holds_alternative<Solid>(options.set) && app.count("--rule") > 0) {
+    return absl::InvalidArgumentError("--rule: needs --set solid or interior");
   }
+  if (named.band > 0 && !named.set.empty()) return absl::InvalidArgumentError("--band: is a set, as --set is");
   if (app.count("--minimal") > 0) options.minimal = named.minimal;
   if (const auto& r = named.region; !r.empty()) options.region = {{r[0], r[1], r[2]}, {r[3], r[4], r[5]}};
   if (const auto& b = named.bounds; !b.empty()) options.bounds = {{b[0], b[1], b[2]}, {b[3], b[4], b[5]}};

@@ -74,7 +74,7 @@ class Bench(unittest.TestCase):
     def test_solids_have_more_voxels_and_interiors_fewer(self):
         surface, solid, inside = (
             measured("box", "64", *words)["voxels"]
-            for words in ((), ("--fill", "solid", "--interior-rule", "winding"), ("--fill", "solid", "--without-surface"))
+            for words in ((), ("--set", "solid", "--rule", "winding"), ("--set", "interior"))
         )
         self.assertGreater(inside, surface)
         self.assertGreater(solid, inside)
@@ -87,14 +87,14 @@ class Bench(unittest.TestCase):
         )
 
     def test_options_without_an_equivalent_in_the_peer_are_refused(self):
-        for option, value in (("--lattice", "bcc"), ("--region", "0,0,0,1,1,1"), ("--fill", "solid")):
+        for option, value in (("--lattice", "bcc"), ("--region", "0,0,0,1,1,1"), ("--set", "solid")):
             done = run("box", "32", "--peer", "openvdb", option, value)
             self.assertEqual(done.returncode, 2)
             self.assertIn(option, done.stderr)
 
     def test_a_supercover_has_more_voxels(self):
         words = ("sphere:2000", "64", "--lattice", "bcc", "--no-minimal")
-        self.assertGreater(measured(*words, "--cover", "supercover")["voxels"], measured(*words)["voxels"])
+        self.assertGreater(measured(*words, "--set", "supercover")["voxels"], measured(*words)["voxels"])
 
     def test_boxes_of_lattice_and_world_hold_what_is_in_them(self):
         words = ("box", "33", "--lattice", "bcc", "--no-minimal")
@@ -175,7 +175,7 @@ class Bench(unittest.TestCase):
 
     def test_a_small_region_of_a_huge_solid_costs_little(self):
         def region(low):
-            return ("--region", f"{low},{low},{low},{low + 9},{low + 9},{low + 9}", "--fill", "solid", "--threads", "1", "--discard")
+            return ("--region", f"{low},{low},{low},{low + 9},{low + 9},{low + 9}", "--set", "solid", "--threads", "1", "--discard")
 
         deep = once("box", "65536", *region(30000))
         self.assertEqual(deep["voxels"], 729)

@@ -50,7 +50,7 @@ Bunny MakeBunny(NamedLattice lattice, int separability) {
 
 std::vector<v1::BrickBatch> Encode(const Bunny& bunny, BrickEncoding encoding) {
   std::vector<v1::BrickBatch> batches;
-  BrickBatcher batcher(encoding);
+  BrickBatcher batcher(encoding, {});
   for (const TileBricks& tile : bunny.tiles) {
     batcher.Add(tile);
     if (batcher.full()) batches.push_back(batcher.Release());
@@ -63,7 +63,9 @@ std::vector<v1::BrickBatch> Encode(const Bunny& bunny, BrickEncoding encoding) {
 void Decode(const std::vector<v1::BrickBatch>& batches, std::vector<client::Brick>& bricks, std::string& packed) {
   for (const v1::BrickBatch& batch : batches) {
     const bool zstd = batch.packed_bytes() != 0;
-    absl::Status status = zstd ? client::Decompress(batch.packed(), batch.packed_bytes(), packed) : absl::OkStatus();
+    absl::Status status =
+        zstd ? client::Decompress(batch.packed(), batch.packed_bytes(), client::kMaxPackedBytes, packed)
+             : absl::OkStatus();
     if (status.ok()) status = client::UnpackBricks(zstd ? packed : batch.packed(), bricks);
     if (!status.ok()) std::abort();
     benchmark::DoNotOptimize(bricks.data());

@@ -114,7 +114,7 @@ class Slurm(ClusterCase):
             done = subprocess.run([SLURM / "shards", *words], capture_output=True, text=True)
             self.assertEqual((done.returncode, done.stdout), (2, ""))
             self.assertIn("Usage: deploy/slurm/shards N MESH OUT.vdb", done.stderr)
-        for option in ("--band=2v", "--attributes"):
+        for option in ("--band=2v", "--fields"):
             done = subprocess.run([SLURM / "shards", "2", "a.obj", "b.vdb", option], capture_output=True, text=True)
             self.assertEqual((done.returncode, done.stdout), (2, ""))
             self.assertIn(f"shards: {option.partition('=')[0]}: ", done.stderr)

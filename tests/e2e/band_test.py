@@ -72,7 +72,7 @@ class Band(Case):
             signed = lattice in ("bcc", "hexagonal")
             with self.subTest(lattice):
                 summary = self.voxelize(self.box(), *options, "--lattice", lattice, *(["--signed"] * signed))
-                self.assertEqual((summary["band"]["width"], summary["band"]["signed"]), (0.33, signed))
+                self.assertEqual((summary["band"]["width"], summary["fields"]["distance"]["signed"]), (0.33, signed))
                 self.check_box(summary, rows(self.dir / "out.csv"), signed)
 
     def check_box(self, summary, voxels, signed):
@@ -109,7 +109,7 @@ class Band(Case):
         )
         self.assertEqual((grid.name, grid.gridClass, grid.valueTypeName), ("distance", peer.gridClass, "float"))
         self.assertEqual(grid.background, numpy.float32(3 * size))
-        self.assertEqual(grid["latvox_band_digest"], summary["band"]["digest"])
+        self.assertEqual(grid["latvox_distance_digest"], summary["fields"]["distance"]["digest"])
         ours, theirs = values_of(grid), values_of(peer)
         self.assertEqual(len(ours), summary["voxels"])
         slack = size * 0.25
@@ -130,14 +130,14 @@ class Band(Case):
         whole = self.voxelize(*options)
         table = rows(self.dir / "out.csv")
         for encoding in ("masks", "packed-zstd"):
-            self.assertEqual(self.voxelize(*options, "--encoding", encoding)["band"], whole["band"])
+            self.assertEqual(self.voxelize(*options, "--encoding", encoding)["fields"], whole["fields"])
             self.assertEqual(rows(self.dir / "out.csv"), table)
         joined, digest = {}, 0
         for part in ("0/3", "1/3", "2/3"):
-            digest += int(self.voxelize(*options, "--shard", part)["band"]["digest"], 16)
+            digest += int(self.voxelize(*options, "--shard", part)["fields"]["distance"]["digest"], 16)
             joined |= rows(self.dir / "out.csv")
         self.assertEqual(joined, table)
-        self.assertEqual(f"{digest % 2**128:032x}", whole["band"]["digest"])
+        self.assertEqual(f"{digest % 2**128:032x}", whole["fields"]["distance"]["digest"])
 
     def test_arrays_and_points_hold_the_distances(self):
         done = latvox("voxelize", self.box(), "--resolution", "20", "--band", "0.2", "--json",

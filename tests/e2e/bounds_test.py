@@ -50,7 +50,7 @@ class Bounds(Case):
 
     def test_faces_belong_to_the_box(self):
         mesh = write_obj(self.dir / "octahedron.obj", octahedron(4))
-        options = ["--voxel-size", "1", "--origin", "0,0,0", "--cover", "supercover"]
+        options = ["--voxel-size", "1", "--origin", "0,0,0", "--set", "supercover"]
         self.voxelize(mesh, *options)
         everything = rows(self.dir / "out.csv")
         for z in (3, 3.000000001, 2.999999999):
@@ -79,7 +79,7 @@ class Bounds(Case):
         box = whole["index_box"]
         region = [*box["min"], *box["max"][:2], (box["min"][2] + box["max"][2]) // 2]
         bounds = [x, -9, -9, 9, 9, 9]
-        for more in ([], ["--band", "1.5v"], ["--cover", "supercover"], ["--fill", "solid"]):
+        for more in ([], ["--band", "1.5v"], ["--set", "supercover"], ["--set", "solid"]):
             more += ["--region=" + ",".join(map(str, region))]
             self.voxelize(BUNNY, *options, *more)
             lines = (self.dir / "out.csv").read_text().splitlines()

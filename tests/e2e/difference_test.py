@@ -90,7 +90,7 @@ class Difference(Case):
             write_obj(self.dir / "half.obj", (vertices, triangles[:4]))
             write_obj(self.dir / "rest.obj", (vertices, triangles[4:]))
             meshes = ("half.obj", "rest.obj") if name == "a" else ("rest.obj", "half.obj")
-            done = latvox("voxelize", *(self.dir / m for m in meshes), "-o", self.dir / f"{name}.vdb", *GRID, "--attributes", "part")
+            done = latvox("voxelize", *(self.dir / m for m in meshes), "-o", self.dir / f"{name}.vdb", *GRID, "--fields", "part")
             self.assertEqual(done.returncode, 0, done.stderr)
         done = self.compare("--json", "-o", self.dir / "d.vdb")
         told = json.loads(done.stdout)
@@ -98,7 +98,7 @@ class Difference(Case):
         self.assertEqual(told["outputs"], [str(self.dir / "d.vdb")])
         found = self.sliced(self.dir / "d.vdb")
         self.assertEqual(set(found.values()), {(3, "other values")})
-        self.assertEqual(len(found), told["attributes"]["part"])
+        self.assertEqual(len(found), told["values"]["part"])
 
     def test_the_picture_shows_all_voxels_in_three_colors(self):
         self.write()

@@ -76,11 +76,11 @@ class Far(Case):
                 lines += ["v %r %r %r %r %r 0.5" % (x + by[0] + 3 * part, y + by[1], z + by[2], part, n / 5) for n, (x, y, z) in enumerate(vertices)]
                 lines += ["f %d %d %d" % tuple(n + 1 + 6 * part for n in t) for t in triangles]
             (self.dir / f"{name}.obj").write_text("\n".join(lines) + "\n")
-        options = ["--voxel-size", "0.125", "--attributes", "part,color"]
+        options = ["--voxel-size", "0.125", "--fields", "part,color"]
         near = self.voxelize(self.dir / "near.obj", *options, "--origin=0,0,0")
         far = self.voxelize(self.dir / "far.obj", *options, "--origin=" + ",".join(map(repr, AWAY)))
         self.assertGreater(near["voxels"], 1000)
-        self.assertEqual((near["digest"], near["attributes"]), (far["digest"], far["attributes"]))
+        self.assertEqual((near["digest"], near["fields"]), (far["digest"], far["fields"]))
 
 
 if __name__ == "__main__":

@@ -78,8 +78,8 @@ class Formats(Case):
         for n, options in enumerate((
             [*BCC, "--no-minimal"],
             ["--basis", "0.2,0,0.01,0.02,0.25,0,0,0.03,0.3", "--origin", "0.1,-0.2,0.3", "--separability", "1"],
-            ["--lattice", "fcc", "--resolution", "9", "--fill", "solid", "--interior-rule", "winding", "--without-surface"],
-            ["--voxel-size", "0.1", "--cover", "supercover"],
+            ["--lattice", "fcc", "--resolution", "9", "--set", "interior", "--rule", "winding"],
+            ["--voxel-size", "0.1", "--set", "supercover"],
             ["--voxel-size", "0.1", "--band", "2v", "--signed"],
             ["--resolution", "20", "--algorithm", "incremental", "--verify"],
             ["--voxel-size", "0.2", "--up-axis", "z", "--scale", "2", "--quantization", "14", "--input-format", "obj"],

@@ -189,7 +189,7 @@ class Gltf(InputCase):
         primitive["material"] = 0
         factors = [0.25, 1, 0, 1], [1, 0.5, 0.75, 0.1]
         document["materials"] = [{"name": n, "pbrMetallicRoughness": {"baseColorFactor": f}} for n, f in zip("pq", factors)]
-        options = ["--attributes", "color,material"]
+        options = ["--fields", "color,material"]
         self.assertEqual(self.carried(write_document(self.dir / "a.gltf", document, body), *options),
                          {(137, 255, 0, 0), (255, 188, 225, 1)})  # fmt: skip
         document["materials"][1]["pbrMetallicRoughness"]["baseColorTexture"] = {"index": 0}

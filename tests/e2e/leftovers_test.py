@@ -164,7 +164,7 @@ class EqualJobs(Case):
     def test_all_formats_of_bands_and_of_values(self):
         names = [f"out.{extension}" for extension in ("vdb", "csv", "npy", "npz", "ply", "png", "html")]
         self.assert_equal_runs("voxelize", BUNNY, "--resolution", "30", "--band", "0.1", names=names)
-        self.assert_equal_runs("voxelize", BUNNY, "--resolution", "30", "--attributes", "part", names=names)
+        self.assert_equal_runs("voxelize", BUNNY, "--resolution", "30", "--fields", "part", names=names)
 
     def test_files_made_of_files(self):
         a, b, parts = self.dir / "a.vdb", self.dir / "b.vdb", [self.dir / "0.vdb", self.dir / "1.vdb"]

@@ -76,10 +76,10 @@ class Names(Case):
         file gives none."""
         attributes = "part" if materials is None else "part,material"
         files = [word for name in ("a.vdb", "a.csv") for word in ("-o", self.dir / name)]
-        done = latvox("voxelize", *meshes, *files, *GRID, "--attributes", attributes, "--json")
+        done = latvox("voxelize", *meshes, *files, *GRID, "--fields", attributes, "--json")
         self.assertEqual(done.returncode, 0, done.stderr)
-        told = json.loads(done.stdout)["attributes"]
-        self.assertEqual(told["part_names"], parts)
+        told = json.loads(done.stdout)["fields"]
+        self.assertEqual(told["part"]["names"], parts)
         voxels = pyopenvdb.read(str(self.dir / "a.vdb"), "voxels")
         self.assertEqual(json.loads(voxels["latvox_part_names"]), parts)
         with open(self.dir / "a.csv", newline="") as file:
@@ -90,8 +90,8 @@ class Names(Case):
             self.assertEqual((int(row["part"]), row["part_name"]), (part, parts[part]))
             if materials is not None:
                 self.assertEqual(row["material_name"], materials[part])
-                self.assertEqual(told["material_names"][int(row["material"])], materials[part])
-                self.assertEqual(json.loads(voxels["latvox_material_names"]), told["material_names"])
+                self.assertEqual(told["material"]["names"][int(row["material"])], materials[part])
+                self.assertEqual(json.loads(voxels["latvox_material_names"]), told["material"]["names"])
         return table
 
     def test_objects_and_materials_of_an_obj(self):
@@ -125,14 +125,14 @@ class Names(Case):
 
     def test_without_names_nothing_changes(self):
         encode_drc(self.dir / "m.drc", write_obj(self.dir / "m.obj", octahedron(4.0)))
-        summary = self.voxelize(self.dir / "m.obj", "-o", self.dir / "a.vdb", *GRID, "--attributes", "part", out="a.csv")
-        self.assertEqual(sorted(summary["attributes"]), ["digest", "names"])
+        summary = self.voxelize(self.dir / "m.obj", "-o", self.dir / "a.vdb", *GRID, "--fields", "part", out="a.csv")
+        self.assertEqual(sorted(summary["fields"]["part"]), ["digest"])
         self.assertEqual((self.dir / "a.csv").read_text().splitlines()[0], "i,j,k,x,y,z,part")
         self.assertNotIn("names", latvox("info", self.dir / "a.vdb").stdout)
 
     def test_slices_pages_and_batches_have_the_names(self):
         mesh = write_named_obj(self.dir / "m.obj", [("left", "wood"), ("right", "iron")])
-        (self.dir / "jobs.jsonl").write_text(json.dumps({"mesh": str(mesh), "voxel_size": 1, "attributes": ["material", "part"], "out": ["b.vdb", "b.csv", "b.html"]}) + "\n")
+        (self.dir / "jobs.jsonl").write_text(json.dumps({"mesh": str(mesh), "voxel_size": 1, "fields": ["material", "part"], "out": ["b.vdb", "b.csv", "b.html"]}) + "\n")
         done = latvox("batch", self.dir / "jobs.jsonl", "--out", self.dir / "out")
         self.assertEqual(done.returncode, 0, done.stderr)
         with open(self.dir / "out" / "b.csv", newline="") as file:

@@ -54,11 +54,12 @@ class Npz(Case):
             self.assertEqual(arrays["basis"].ravel().tolist(), summary["basis"])
             self.assertEqual(arrays["origin"].tolist(), summary["origin"])
 
-    def test_distances_are_the_values_of_a_band(self):
+    def test_distances_are_an_array_of_their_own(self):
         arrays, table = self.write(BUNNY, "--resolution", "30", "--lattice", "bcc", "--band", "2v", "--signed")
-        data = arrays["data"]
+        data = arrays["distance"]
         self.assertEqual(data.dtype, numpy.float32)
-        at = self.check_places(arrays, table, ~numpy.isnan(data))
+        at = self.check_places(arrays, table, arrays["data"])
+        self.assertTrue((numpy.isnan(data) == (arrays["data"] == 0)).all())
         expected = {(r["i"], r["j"], r["k"]): numpy.float32(r["distance"]) for r in table}
         for a in at:
             self.assertEqual(data[tuple(a)], expected[tuple((a + arrays["index_min"]).tolist())])
@@ -71,7 +72,7 @@ class Npz(Case):
             text += ["o right", "usemtl iron"] * n + ["f " + " ".join(str(v + 1 + count) for v in t) for t in triangles]
             count += len(vertices)
         (self.dir / "m.obj").write_text("\n".join(text) + "\n")
-        arrays, table = self.write(self.dir / "m.obj", *GRID, "--attributes", "material,color,part")
+        arrays, table = self.write(self.dir / "m.obj", *GRID, "--fields", "material,color,part")
         at = self.check_places(arrays, table, arrays["data"])
         self.assertEqual([arrays[n].dtype for n in ("part", "material", "color")],
                          [numpy.int32, numpy.int32, numpy.uint8])  # fmt: skip

@@ -166,7 +166,7 @@ class Picture(Case):
         for n in (0, 1):
             parts.append(self.dir / f"{n}.obj")
             parts[-1].write_text("\n".join([f"v {x + 3 * n} {y} {z}" for x, y, z in octahedron()[0]] + ["f " + " ".join(str(1 + v) for v in t) for t in octahedron()[1]]) + "\n")
-        options = ["--resolution", 40, "--attributes", "part", "-o", self.dir / "a.vdb"]
+        options = ["--resolution", 40, "--fields", "part", "-o", self.dir / "a.vdb"]
         self.assertEqual(latvox("voxelize", *parts, *options).returncode, OK)
         bare = self.render(self.dir / "a.vdb", "--size", 300)
         width, height, lines = self.render(self.dir / "a.vdb", "--size", 300, "--legend")

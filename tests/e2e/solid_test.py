@@ -1,4 +1,4 @@
-"""`--fill solid` with the real tool: counts, refusals, the content of files, and parts that make the whole."""
+"""`--set solid` with the real tool: counts, refusals, the content of files, and parts that make the whole."""
 
 import json
 import math
@@ -46,10 +46,10 @@ class Solids(Case):
         for lattice in LATTICES:
             grid = ("--lattice", lattice, "--voxel-size", "0.1")
             surface = self.voxelize(self.torus, *grid, "--placement", "cells")
-            self.assertEqual(surface["certificate"]["fill"], "surface")
+            self.assertEqual(surface["certificate"]["set"], "surface")
             on_surface = set(rows(self.dir / "out.csv"))
-            solid = self.voxelize(self.torus, *grid, "--fill", "solid", out="solid.csv")
-            inside = self.voxelize(self.torus, *grid, "--fill", "solid", "--without-surface", out="inside.csv")
+            solid = self.voxelize(self.torus, *grid, "--set", "solid", out="solid.csv")
+            inside = self.voxelize(self.torus, *grid, "--set", "interior", out="inside.csv")
             inner = set(rows(self.dir / "inside.csv"))
             with self.subTest(lattice):
                 # The number of points inside follows from the volume. The voxels of the surface may count or not; in a
@@ -62,7 +62,7 @@ class Solids(Case):
                 self.assertFalse(inside["certificate"]["tunnel_free"])
 
     def test_a_mesh_that_is_not_closed_is_refused_unless_forced(self):
-        options = ("--resolution", "33", "--fill", "solid", "--without-surface")
+        options = ("--resolution", "33", "--set", "interior")
         out = self.dir / "out.csv"
         done = latvox("voxelize", self.open, "-o", out, *options)
         self.assertEqual(done.returncode, 3, done.stderr)
@@ -81,21 +81,20 @@ class Solids(Case):
 
     def test_options_that_exclude_each_other_are_wrong_usage(self):
         for words, says in (
-            (("--verify", "--fill", "solid"), "verify: not together with fill.mode solid"),
-            (("--fill", "solid", "--algorithm", "incremental"), "fill.mode solid: not together with algorithm incremental"),
-            (("--without-surface",), "--fill solid"),
-            (("--interior-rule", "winding"), "--fill solid"),
-            (("--force-open",), "--fill solid"),
+            (("--verify", "--set", "solid"), "verify: not together with solid"),
+            (("--set", "solid", "--algorithm", "incremental"), "solid: not together with algorithm incremental"),
+            (("--rule", "winding"), "--set solid"),
+            (("--force-open",), "--set solid"),
         ):
             done = latvox("voxelize", self.torus, "-o", self.dir / "out.csv", "--resolution", "20", *words)
             self.assertEqual(done.returncode, 2, words)
             self.assertIn(says, done.stderr)
 
     def test_files_say_how_they_were_filled_and_parts_make_the_whole(self):
-        options = ("--lattice", "bcc", "--resolution", "200", "--fill", "solid", "--interior-rule", "winding")
+        options = ("--lattice", "bcc", "--resolution", "200", "--set", "solid", "--rule", "winding")
         whole = self.voxelize(self.torus, *options, out="whole.vdb")
         info = latvox("info", self.dir / "whole.vdb")
-        for line in ("latvox_fill", "latvox_interior_rule", "latvox_surface", "latvox_unbalanced_lines"):
+        for line in ("latvox_set", "latvox_interior_rule", "latvox_unbalanced_lines"):
             self.assertIn(line, info.stdout)
         parts = []
         for index in range(2):
@@ -108,14 +107,14 @@ class Solids(Case):
         self.voxelize(self.torus, *hollow, out="part1.vdb")
         done = latvox("merge", *parts, "-o", self.dir / "merged.vdb")
         self.assertEqual(done.returncode, 3, done.stderr)
-        self.assertIn("latvox_fill", done.stderr)
+        self.assertIn("latvox_", done.stderr)
 
     def test_bodies_that_overlap_are_united_and_a_cavity_stays_hollow(self):
         low, high = box((0, 0, 0), (10, 10, 10)), box((5, 0, 0), (15, 10, 10))
         inner = box((3, 3, 3), (7, 7, 7))
         cavity = (inner[0], [(a, c, b) for a, b, c in inner[1]])
         turned = (high[0], [(a, c, b) for a, b, c in high[1][:1]] + high[1][1:])
-        solid = ("--voxel-size", "0.5", "--fill", "solid", "--without-surface")
+        solid = ("--voxel-size", "0.5", "--set", "interior")
         for bodies, rule, voxels in (
             ((low, high), "winding", 24000 // 2),
             ((low, cavity), "winding", 8000 - 512),
@@ -123,14 +122,14 @@ class Solids(Case):
         ):
             mesh = write_obj(self.dir / "m.obj", joined(*bodies))
             whole = self.voxelize(mesh, *solid, out="whole.vdb")
-            self.assertEqual((whole["voxels"], whole["certificate"]["interior_rule"]), (voxels, rule))
+            self.assertEqual((whole["voxels"], whole["certificate"]["rule"]), (voxels, rule))
             self.assertEqual(whole["placement"], "cells")
-            explicit = self.voxelize(mesh, *solid, "--interior-rule", rule, "--placement", "cells")
+            explicit = self.voxelize(mesh, *solid, "--rule", rule, "--placement", "cells")
             self.assertEqual(explicit["digest"], whole["digest"])
             parts = []
             for name, part in (("a", "--region=-99,-99,-99,9,99,99"), ("b", "--region=9,-99,-99,99,99,99")):
                 done = self.voxelize(mesh, *solid, part, out=f"{name}.vdb")
-                self.assertEqual(done["certificate"]["interior_rule"], rule)
+                self.assertEqual(done["certificate"]["rule"], rule)
                 parts.append(self.dir / f"{name}.vdb")
             self.assertEqual(self.merged(parts), whole["digest"])
             parts = []
@@ -148,14 +147,14 @@ class Solids(Case):
         low, high = box((0, 0, 0), (10, 10, 10)), box((5, 0, 0), (15, 10, 10))
         resources = "".join(f'<object id="{n}">{mesh_xml(mesh)}</object>' for n, mesh in ((1, low), (2, high)))
         mesh = write_3mf(self.dir / "m.3mf", model(resources, '<item objectid="1"/><item objectid="2"/>'))
-        solid = ("--voxel-size", "0.5", "--fill", "solid", "--without-surface")
+        solid = ("--voxel-size", "0.5", "--set", "interior")
         united = self.voxelize(mesh, *solid)
-        self.assertEqual((united["voxels"], united["certificate"]["interior_rule"]), (12000, "positive"))
-        self.assertEqual(self.voxelize(mesh, *solid, "--interior-rule", "parity")["voxels"], 8000)
+        self.assertEqual((united["voxels"], united["certificate"]["rule"]), (12000, "positive"))
+        self.assertEqual(self.voxelize(mesh, *solid, "--rule", "parity")["voxels"], 8000)
 
     def test_cells_keep_a_plate_that_points_lose(self):
         plate = write_obj(self.dir / "plate.obj", box((0, 0, 0), (96, 0.8, 96)))
-        solid = ("--resolution", "96", "--fill", "solid", "--without-surface")
+        solid = ("--resolution", "96", "--set", "interior")
         cells = self.voxelize(plate, *solid)
         self.assertEqual((cells["voxels"], cells["placement"], cells["voxel_size"]), (96 * 96, "cells", 1))
         self.assertEqual(cells["origin"], [0.5, 0.5, 0.5])
@@ -173,14 +172,14 @@ class Solids(Case):
 
     def test_jobs_of_a_batch_take_the_same_words(self):
         job = {"mesh": str(self.torus), "resolution": 30, "out": "a.csv"}
-        fill = {"fill": "solid", "interior_rule": "winding", "without_surface": True, "force_open": True}
-        lines = [job | fill, {"mesh": str(self.open), "resolution": 30, "out": "b.csv", "fill": "solid"}]
+        fill = {"set": "interior", "rule": "winding", "force_open": True}
+        lines = [job | fill, {"mesh": str(self.open), "resolution": 30, "out": "b.csv", "set": "solid"}]
         jobs = self.dir / "jobs.jsonl"
         jobs.write_text("".join(json.dumps(line) + "\n" for line in lines))
         done = latvox("batch", jobs, "--out", self.dir / "out")
         self.assertEqual(done.returncode, 3, done.stderr)
         alone = self.voxelize(
-            self.torus, "--resolution", 30, "--fill", "solid", "--interior-rule", "winding", "--without-surface"
+            self.torus, "--resolution", 30, "--set", "interior", "--rule", "winding"
         )
         self.assertEqual(len(rows(self.dir / "out" / "a.csv")), alone["voxels"])
         self.assertFalse((self.dir / "out" / "b.csv").exists())

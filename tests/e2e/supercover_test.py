@@ -1,4 +1,4 @@
-"""--cover supercover: every voxel whose cell meets the mesh. The real tool is compared with counts by hand and with
+"""--set supercover: every voxel whose cell meets the mesh. The real tool is compared with counts by hand and with
 separating axes in Python's integers."""
 
 import json
@@ -49,14 +49,14 @@ class Supercover(Case):
         corners = [(0.5, 0.5, 0.5), (2.5, 0.5, 0.5), (0.5, 2.5, 0.5)]
         mesh = write_obj(self.dir / "triangle.obj", (corners, [(0, 1, 2)]))
         options = ["--voxel-size", 1, "--origin", "0,0,0", "--quantization", 0]
-        self.voxelize(mesh, *options, "--cover", "supercover")
+        self.voxelize(mesh, *options, "--set", "supercover")
         # There are 4 x 4 columns; those beyond the middle of the hypotenuse do not meet the triangle.
         columns = {(i, j) for i in range(4) for j in range(4)} - {(2, 3), (3, 2), (3, 3)}
         self.assertEqual(set(rows(self.dir / "out.csv")), {(i, j, k) for i, j in columns for k in (0, 1)})
 
     def test_the_bunny_has_the_voxels_that_integers_of_python_find(self):
         low, high = (-8, -6, -4), (10, 12, 14)
-        options = ["--voxel-size", SIZE, "--origin", "0,0,0", "--quantization", 0, "--cover", "supercover"]
+        options = ["--voxel-size", SIZE, "--origin", "0,0,0", "--quantization", 0, "--set", "supercover"]
         region = ",".join(map(str, low + high))
         self.voxelize(BUNNY, *options, "--region", region)
         expected = supercover(read_obj(BUNNY), low, high)
@@ -66,51 +66,51 @@ class Supercover(Case):
     def test_it_has_no_tunnel_for_any_k_and_says_what_it_is(self):
         digests = set()
         for k in (0, 1, 2):
-            options = ["--lattice", "fcc", "--resolution", 64, "--cover", "supercover", "--separability", k]
+            options = ["--lattice", "fcc", "--resolution", 64, "--set", "supercover", "--separability", k]
             summary = self.voxelize(BUNNY, *options, "--verify", out="out.vdb")
             certificate = summary["certificate"]
-            self.assertEqual((certificate["cover"], certificate["minimal"]), ("supercover", False))
+            self.assertEqual((certificate["set"], certificate["minimal"]), ("supercover", False))
             self.assertEqual((certificate["tunnels"], certificate["tunnel_free"]), (0, True))
             self.assertGreater(certificate["redundant"], 0)
             digests.add(summary["digest"])
         self.assertEqual(len(digests), 1)
-        self.assertIn("latvox_cover", latvox("info", self.dir / "out.vdb").stdout)
+        self.assertIn("latvox_set", latvox("info", self.dir / "out.vdb").stdout)
         separating = self.voxelize(BUNNY, "--resolution", 64)
-        self.assertEqual(separating["certificate"]["cover"], "separating")
+        self.assertEqual(separating["certificate"]["set"], "surface")
 
-    def test_shards_merge_to_the_whole_but_not_with_another_cover(self):
+    def test_shards_merge_to_the_whole_but_not_with_another_set(self):
         options = ["--lattice", "bcc", "--resolution", 80]
-        whole = self.voxelize(BUNNY, *options, "--cover", "supercover", out="whole.vdb")
+        whole = self.voxelize(BUNNY, *options, "--set", "supercover", out="whole.vdb")
         for n in (0, 1):
-            self.voxelize(BUNNY, *options, "--cover", "supercover", "--shard", f"{n}/2", out=f"part{n}.vdb")
+            self.voxelize(BUNNY, *options, "--set", "supercover", "--shard", f"{n}/2", out=f"part{n}.vdb")
         merge = ["merge", self.dir / "part0.vdb", "-o", self.dir / "merged.vdb", "--json"]
         merged = latvox(*merge, self.dir / "part1.vdb")
         self.assertEqual(json.loads(merged.stdout)["digest"], whole["digest"], merged.stderr)
         self.voxelize(BUNNY, *options, "--no-minimal", "--shard", "1/2", out="other.vdb")
         refused = latvox(*merge, self.dir / "other.vdb")
         self.assertEqual(refused.returncode, 3)
-        self.assertIn("latvox_cover is separating, but supercover", refused.stderr)
+        self.assertIn("latvox_set is surface, but supercover", refused.stderr)
 
     def test_a_job_line_asks_for_it(self):
         write_obj(self.dir / "octahedron.obj", octahedron())
-        alone = self.voxelize(self.dir / "octahedron.obj", "--resolution", 20, "--cover", "supercover")
+        alone = self.voxelize(self.dir / "octahedron.obj", "--resolution", 20, "--set", "supercover")
         jobs = self.dir / "jobs.jsonl"
-        jobs.write_text(json.dumps({"mesh": "octahedron.obj", "resolution": 20, "cover": "supercover"}) + "\n")
+        jobs.write_text(json.dumps({"mesh": "octahedron.obj", "resolution": 20, "set": "supercover"}) + "\n")
         done = latvox("batch", jobs, "--out", self.dir / "voxels")
         self.assertEqual(done.returncode, 0, done.stderr)
         line = json.loads((self.dir / "voxels" / "results.jsonl").read_text())
         self.assertEqual(line["summary"]["digest"], alone["digest"])
-        self.assertEqual(line["summary"]["certificate"]["cover"], "supercover")
+        self.assertEqual(line["summary"]["certificate"]["set"], "supercover")
 
     def test_contradicting_options_are_refused(self):
         for option, value in (("--minimal", None), ("--algorithm", "incremental")):
-            words = ["--resolution", 20, "--cover", "supercover", option, *([value] if value else [])]
+            words = ["--resolution", 20, "--set", "supercover", option, *([value] if value else [])]
             done = latvox("voxelize", BUNNY, "-o", self.dir / "out.vdb", *words)
             self.assertEqual(done.returncode, 2)
             self.assertIn(option.removeprefix("--"), done.stderr)
             self.assertIn("supercover", done.stderr)
         flat = "1,0.3,0,0.2,1.1,0,0.3,0.4,7000"
-        done = latvox("voxelize", BUNNY, "-o", self.dir / "out.vdb", "--basis", flat, "--cover", "supercover")
+        done = latvox("voxelize", BUNNY, "-o", self.dir / "out.vdb", "--basis", flat, "--set", "supercover")
         self.assertEqual(done.returncode, 3, done.stderr)
         self.assertIn("basis: so flat or long", done.stderr)
 

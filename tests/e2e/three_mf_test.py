@@ -120,7 +120,7 @@ class ThreeMf(InputCase):
     def test_mirror_images_keep_their_outside(self):
         """Beside the object itself, its mirror image fills by the winding rule, too."""
         text = model(f'<object id="1">{mesh_xml(MESH)}</object>', '<item objectid="1"/><item objectid="1" transform="-1 0 0 0 1 0 0 0 1 3 0 0"/>')
-        rule = ["--fill", "solid", "--interior-rule", "winding"]
+        rule = ["--set", "solid", "--rule", "winding"]
         mirrored = mapped(MESH, lambda x, y, z: (3 - x, y, z))
         turned = mirrored[0], [(a, c, b) for a, b, c in mirrored[1]]
         self.assertEqual(self.digest(write_3mf(self.dir / "a.3mf", text), *rule),
@@ -145,18 +145,18 @@ class ThreeMf(InputCase):
     def test_base_materials_and_colors_are_carried(self):
         orange, dark, slate, gray = (255, 128, 0), (1, 2, 3), (16, 32, 48), (64, 80, 96)
         path = self.colored('pid="5" p1="0"', of_object='pid="5" pindex="1"')
-        self.assertEqual(self.carried(path, "--attributes", "color"), {orange, dark})
-        self.assertEqual(self.carried(path, "--attributes", "material"), {(0,), (1,)})
+        self.assertEqual(self.carried(path, "--fields", "color"), {orange, dark})
+        self.assertEqual(self.carried(path, "--fields", "material"), {(0,), (1,)})
         last = self.colored(of_object='pid="5" pindex="1"')
-        self.assertEqual(self.carried(last, "--attributes", "material,color"), {(0, *dark)}, "not by first use")
+        self.assertEqual(self.carried(last, "--fields", "material,color"), {(0, *dark)}, "not by first use")
         path = self.colored('pid="5" p1="0"', of_object='pid="5" pindex="1"')
         self.assertEqual(self.digest(path), self.expected(joined(MESH, mapped(MESH, lambda x, y, z: (x + 9, y, z)))))
         path = self.colored('p1="1"', of_object='pid="6" pindex="0"')
-        self.assertEqual(self.carried(path, "--attributes", "color"), {slate, gray})
-        self.assert_refused(3, "has no material$", path, "--attributes", "material")
+        self.assertEqual(self.carried(path, "--fields", "color"), {slate, gray})
+        self.assert_refused(3, "has no material$", path, "--fields", "material")
         # Corners of one triangle: their vertices have other colors in other triangles.
         path = self.colored('pid="6" p1="0" p2="1" p3="0"', of_object='pid="5" pindex="0"')
-        self.assertEqual(self.carried(path, "--attributes", "color"), {orange, slate, gray})
+        self.assertEqual(self.carried(path, "--fields", "color"), {orange, slate, gray})
 
     def test_missing_properties_are_reported_if_requested(self):
         for says, attributes in (
@@ -170,12 +170,12 @@ class ThreeMf(InputCase):
         ):
             with self.subTest(says):
                 path = self.colored(attributes)
-                self.assert_refused(3, "a.3mf: the mesh, or some of it, has no color.*" + says, path, "--attributes", "color")
+                self.assert_refused(3, "a.3mf: the mesh, or some of it, has no color.*" + says, path, "--fields", "color")
                 self.assertEqual(self.carried(path), {()})
 
     def test_triangles_without_a_color_are_white_beside_others(self):
         path = self.colored('pid="6" p1="0"')
-        self.assertEqual(self.carried(path, "--attributes", "color"), {(16, 32, 48), (255, 255, 255)})
+        self.assertEqual(self.carried(path, "--fields", "color"), {(16, 32, 48), (255, 255, 255)})
         self.assert_warns("6 of 8 triangles have no color, and are white", path)
 
     def test_an_archive_that_is_damaged_is_refused(self):

@@ -80,7 +80,7 @@ class Pictures(ValuesCase):
     def test_voxels_have_the_colors_that_they_carry(self):
         for lattice in LATTICES:
             with self.subTest(lattice):
-                self.voxelize(self.bodies(), "--lattice", lattice, "--attributes", "part,color,material", *GRID, out="a.vdb")
+                self.voxelize(self.bodies(), "--lattice", lattice, "--fields", "part,color,material", *GRID, out="a.vdb")
                 (left, right), says = self.render()
                 self.assertIn("colored by color", says)
                 self.assertTrue(left[0] > 10 * left[2] and right[2] > 10 * right[0], (left, right))
@@ -92,13 +92,13 @@ class Pictures(ValuesCase):
             self.assertTrue(abs(left - right).max() < 12 and left[0] < left[1] < left[2], (left, right))
 
     def test_voxelize_draws_the_same(self):
-        for mesh, options in ((self.bodies(), ["--attributes", "color"]), (self.mesh(), ["--band", "3", "--signed"])):
+        for mesh, options in ((self.bodies(), ["--fields", "color"]), (self.mesh(), ["--band", "3", "--signed"])):
             self.voxelize(mesh, *GRID, *options, "-o", self.dir / "a.vdb", out="a.png")
             self.run_latvox("render", self.dir / "a.vdb", "-o", self.dir / "b.png")
             self.assertEqual((self.dir / "a.png").read_bytes(), (self.dir / "b.png").read_bytes())
 
     def test_colors_that_a_picture_cannot_show_are_refused(self):
-        self.voxelize(self.bodies(), *GRID, "--attributes", "part", out="a.vdb")
+        self.voxelize(self.bodies(), *GRID, "--fields", "part", out="a.vdb")
         out = ["-o", self.dir / "x.png"]
         for status, says, words in (
             (3, "a.vdb: the voxels have no color, which --color-by requires", ["render", "a.vdb", "--color-by", "color"]),
@@ -147,7 +147,7 @@ class Pictures(ValuesCase):
         self.assertGreater(sum(c == (0x99, 0xB5, 0xD9) for line in read_png(self.dir / "b.png")[2] for c in line), 1000)
 
     def test_layers_of_attributes_list_and_show_them(self):
-        self.voxelize(self.bodies(), *GRID, "--attributes", "part,color", "-o", self.dir / "whole.csv", out="a.vdb")
+        self.voxelize(self.bodies(), *GRID, "--fields", "part,color", "-o", self.dir / "whole.csv", out="a.vdb")
         cut = ["slice", self.dir / "a.vdb", "--axis=z", "--index=0", "--size=300"]
         for by, ends in ((None, ((255, 0, 0), (0, 0, 255))), ("part", (ORANGE, SKY))):
             words = ["-o", self.dir / "a.csv", "-o", self.dir / "a.png"] + (["--color-by", by] if by else [])
@@ -197,17 +197,17 @@ class Compare(ValuesCase):
     def test_attributes_that_differ_are_counted(self):
         mesh = self.bodies()
         for name, attributes in (("a", "part,color"), ("b", "part,color"), ("c", "part")):
-            self.voxelize(mesh, *GRID, "--attributes", attributes, out=f"{name}.vdb")
+            self.voxelize(mesh, *GRID, "--fields", attributes, out=f"{name}.vdb")
             mesh.write_text(mesh.read_text().replace("0 0 1\n", "0 1 1\n"))
         a, b, c = (self.dir / f"{name}.vdb" for name in "abc")
-        self.assertEqual(self.compare(a, a, status=0)["attributes"], {"part": 0, "color": 0})
+        self.assertEqual(self.compare(a, a, status=0)["values"], {"part": 0, "color": 0})
         report = self.compare(a, b, status=1)
-        self.assertEqual(report["attributes"]["part"], 0)
-        self.assertEqual(2 * report["attributes"]["color"], report["both"])  # all of the second body
+        self.assertEqual(report["values"]["part"], 0)
+        self.assertEqual(2 * report["values"]["color"], report["both"])  # all of the second body
         self.assertIn("\ncolor: ", self.run_latvox("compare", a, b, status=1).stdout)
-        self.assertEqual(self.compare(a, b, "--voxels", status=0)["attributes"], {})
+        self.assertEqual(self.compare(a, b, "--voxels", status=0)["values"], {})
         report = self.compare(a, c, status=1)
-        self.assertEqual(report["attributes"], {"part": 0})
+        self.assertEqual(report["values"], {"part": 0})
         self.assertIn({"name": "grids", "a": "part,color", "b": "part"}, report["fields"])
 
 

@@ -216,7 +216,7 @@ class View(OnPage):
 
     def test_a_cut_through_small_cells_is_smooth(self):
         mesh = write_obj(self.dir / "a.obj", octahedron())
-        self.voxelize(mesh, "--lattice", "fcc", "--resolution", 90, "--fill", "solid", out="a.vdb")
+        self.voxelize(mesh, "--lattice", "fcc", "--resolution", 90, "--set", "solid", out="a.vdb")
         self.view(self.dir / "a.vdb", place="#axis=k&layer=45&azimuth=-20&elevation=20")
         pixels, _ = self.canvas()
         marked = pixels[..., 0] > pixels[..., 2] + 20
@@ -280,7 +280,7 @@ class View(OnPage):
     def test_the_pointer_reads_names(self):
         mesh = write_obj(self.dir / "a.obj", octahedron())
         mesh.write_text("o tail of\n" + mesh.read_text())
-        self.voxelize(mesh, "--resolution", 8, "--attributes", "part", out="a.vdb")
+        self.voxelize(mesh, "--resolution", 8, "--fields", "part", out="a.vdb")
         self.view(self.dir / "a.vdb", place="#azimuth=0&elevation=5")
         self.assertEqual(self.point(189, 150)["part"], "0 (tail of)")
 
@@ -342,7 +342,7 @@ class View(OnPage):
             lines = [f"v {x + move} {y} {z} {tint}" for x, y, z in vertices]
             parts.append(self.dir / f"{n}.obj")
             parts[-1].write_text("\n".join(lines + ["f " + " ".join(str(1 + v) for v in t) for t in triangles]) + "\n")
-        options = ["--lattice", "fcc", "--resolution", 24, "--attributes", "part,color", "-o", self.dir / "a.vdb", "-o", self.dir / "a.csv"]
+        options = ["--lattice", "fcc", "--resolution", 24, "--fields", "part,color", "-o", self.dir / "a.vdb", "-o", self.dir / "a.csv"]
         self.assertEqual(latvox("voxelize", *parts, *options).returncode, OK)
         with open(self.dir / "a.csv") as lines:
             numbers = {tuple(int(row[n]) for n in "ijk"): int(row["part"]) for row in csv.DictReader(lines)}
@@ -542,7 +542,7 @@ class Page(Case):
 
     def test_voxelize_and_batch_write_the_page_of_the_grid(self):
         mesh = write_obj(self.dir / "a.obj", octahedron())
-        for options in (["--lattice", "bcc"], ["--band", "2v"], ["--attributes", "part"], ["--up-axis", "y"]):
+        for options in (["--lattice", "bcc"], ["--band", "2v"], ["--fields", "part"], ["--up-axis", "y"]):
             with self.subTest(options):
                 self.voxelize(mesh, "--resolution", 9, *options, "-o", self.dir / "a.vdb", out="a.html")
                 self.assertEqual(latvox("view", self.dir / "a.vdb", "-o", self.dir / "b.html").returncode, OK)

@@ -93,10 +93,10 @@ class Warnings(Case):
         plate = write_obj(self.dir / "plate.obj", box((0, 0, 0.01), (9, 9, 0.02)))
         speck = write_obj(self.dir / "speck.obj", box((0.1, 0.15, 0.32), (0.12, 0.17, 0.34)))
         hole = write_obj(self.dir / "hole.obj", (octahedron(4)[0], octahedron(4)[1][:1]))
-        step, solid = ["--voxel-size", "1", "--origin", "0,0,0"], ["--fill", "solid", "--without-surface"]
+        step, solid = ["--voxel-size", "1", "--origin", "0,0,0"], ["--set", "interior"]
         for mesh, options, code, reason in (
             (plate, [*step, *solid], "EMPTY_RESULT", "no lattice point lies inside the mesh, which is thinner than"),
-            (plate, [*step, *solid, "--interior-rule", "positive"], "EMPTY_RESULT", "or turned inside out"),
+            (plate, [*step, *solid, "--rule", "positive"], "EMPTY_RESULT", "or turned inside out"),
             (hole, [*step, *solid, "--force-open"], "EMPTY_RESULT", "the mesh is not closed, and [0-9]+ lattice lines"),
             (speck, step, "EMPTY_RESULT", "the mesh crosses no step between neighboring lattice points"),
             (speck, [*step, "--band", "0.01"], "EMPTY_RESULT", "no lattice point lies within 0.01 of the mesh"),

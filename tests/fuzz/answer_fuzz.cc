@@ -1,8 +1,7 @@
-// A foreign server's answers, as the SDK receives them: for a surface, for a band, and for voxels with attributes.
+// A foreign server's answers, as the SDK receives them: for a surface, for a band with its distances, and for a
+// solid with other fields.
 #include <cstdint>
 #include <cstring>
-#include <optional>
-#include <vector>
 
 #include "client/internal/answer_check.h"
 
@@ -10,11 +9,10 @@ namespace {
 
 // Input: answers, each after its length in two bytes. The length 0xFFFF has no answer: the stream broke, and a new one
 // continues.
-void Receive(const uint8_t* data, size_t size, const std::optional<latvox::client::Band>& band,
-             const std::vector<latvox::client::Attribute>& attributes) {
+void Receive(const uint8_t* data, size_t size, const latvox::client::VoxelizeRequest& request) {
   latvox::client::VoxelizeHandlers handlers;
   handlers.on_bricks = [](const latvox::client::BrickBatch&) { return absl::OkStatus(); };
-  latvox::client::AnswerCheck check(handlers, 1, band, attributes);
+  latvox::client::AnswerCheck check(handlers, 1, request);
   while (size >= 2) {
     uint16_t length;
     std::memcpy(&length, data, 2);
@@ -36,8 +34,16 @@ void Receive(const uint8_t* data, size_t size, const std::optional<latvox::clien
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  Receive(data, size, std::nullopt, {});
-  Receive(data, size, latvox::client::Band{.width = 1, .is_signed = true}, {});
-  Receive(data, size, std::nullopt, {latvox::client::Attribute::kColor, latvox::client::Attribute::kPart});
+  using latvox::client::Field;
+  latvox::client::VoxelizeRequest request;
+  Receive(data, size, request);
+  request.set = latvox::client::Band{.width = 1};
+  request.fields = {Field::kDistance};
+  request.signed_distance = true;
+  Receive(data, size, request);
+  request.set = latvox::client::Solid{};
+  request.fields = {Field::kColor, Field::kPart, Field::kTriangle, Field::kPoint, Field::kNormal};
+  request.signed_distance = false;
+  Receive(data, size, request);
   return 0;
 }

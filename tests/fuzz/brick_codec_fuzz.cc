@@ -68,7 +68,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   std::string decompressed;
   if (packed_bytes == 0) {
     Check(packed);
-  } else if (latvox::client::Decompress(packed, packed_bytes, decompressed).ok()) {
+  } else if (latvox::client::Decompress(packed, packed_bytes, latvox::client::kMaxPackedBytes, decompressed).ok()) {
     Require(decompressed.size() == packed_bytes);
     Check(decompressed);
   }

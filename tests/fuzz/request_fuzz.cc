@@ -34,12 +34,16 @@ latvox::TriangleMesh MakeMesh(FuzzedDataProvider& data) {
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size) {
   FuzzedDataProvider data(bytes, size);
-  const latvox::TriangleMesh mesh = MakeMesh(data);
+  latvox::TriangleMesh mesh = MakeMesh(data);
   latvox::v1::VoxelizeSpec proto;
   const std::string rest = data.ConsumeRemainingBytesAsString();
   if (!proto.ParseFromString(rest)) return 0;
   const auto spec = latvox::JobSpecFromProto(proto, latvox::Limits());
-  if (!spec.ok() || !latvox::CheckMesh(mesh).ok()) return 0;
+  if (!spec.ok()) return 0;
+  // As a decoder would give them.
+  const uint32_t numbers = spec->request.fields.OfMesh().size();
+  for (size_t n = 0; n < mesh.vertices.size() * numbers; ++n) mesh.attributes.push_back(static_cast<uint32_t>(n % 5));
+  if (!latvox::CheckMesh(mesh).ok()) return 0;
   // The other algorithms promise neither separation nor an early first tile.
   if (spec->request.algorithm() != latvox::Algorithm::kExact) return 0;
   const auto grid = latvox::ResolveGrid(spec->grid.lattice, spec->grid.sampling, spec->grid.origin,
@@ -57,11 +61,12 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size) {
   latvox::VoxelSet voxels;
   const auto done = (*job)->Advance([&](latvox::TileBricks&& tile) {
     for (const latvox::Brick& brick : tile.bricks) voxels.Add(brick);
+    if (tile.fields.size() != spec->request.fields.size()) std::abort();
     if (++tiles == 8) (*job)->Cancel();  // the lattice may be huge
     return true;
   });
   if (!done.ok() || spec->request.part.region || spec->request.part.bounds || spec->request.part.resume_after ||
-      (solid != nullptr && !solid->surface))
+      (solid != nullptr && !spec->request.has_surface()) || spec->request.band() != nullptr)
     return 0;
   const auto verdict = (*job)->Verify(voxels);
   if (!verdict.ok() || verdict->tunnels != 0) std::abort();

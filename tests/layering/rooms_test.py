@@ -19,7 +19,7 @@ from layering_test import ROOT, includes
 ORDER = {
     "core": (
         "base lattice mesh brick request snap tile digitize thin triangles plane scan supercover verify solid thesis tree tiny"
-        " band attributes block voxelizer"
+        " band fields block voxelizer"
     ).split(),
     "server": "base guard access decode wire work calls listen config main.cc".split(),
     "client": "include internal mesh json mesh_files grid tool/curve tool/output tool/inspect tool/confined tool/view tool/cli".split(),

@@ -47,8 +47,8 @@ def write_wholes(folder):
     outs = [word for kind in WRITTEN for word in ("-o", folder / f"voxels.{kind}")]
     for source, options in (
         (obj, outs),
-        (obj, ["--band", "2v", "-o", folder / "band.vdb"]),
-        (colored, ["--attributes", "part,color", "-o", folder / "parts.vdb"]),
+        (obj, ["--set", "band", "--band", "2v", "-o", folder / "band.vdb"]),
+        (colored, ["--fields", "part,color,distance,normal", "-o", folder / "parts.vdb"]),
     ):
         done = latvox("voxelize", source, *GRID, *options)
         if done.returncode != 0:

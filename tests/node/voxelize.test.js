@@ -92,14 +92,14 @@ test('a cube of side 10 has as many 6-separating voxels as can be counted by han
 });
 
 test('a solid box of side 20 has its volume in voxels, in every encoding', async () => {
-  const fill = { mode: 'FILL_MODE_SOLID', surface: false };
+  const solid = { surface: 'SOLID_SURFACE_NONE' };
   const cube = await encode(box([0, 0, 0], [20, 20, 20]));
   for (const encoding of ['MASKS', 'PACKED', 'PACKED_ZSTD']) {
-    const spec = { lattice: asGiven(CARTESIAN), origin: vector([0, 0, 0]), fill, encoding: `BRICK_ENCODING_${encoding}` };
+    const spec = { lattice: asGiven(CARTESIAN), origin: vector([0, 0, 0]), solid, encoding: `BRICK_ENCODING_${encoding}` };
     const result = await voxelize(server.client, spec, cube);
     assert.equal((await check(result)).size, 8000);
-    const { fill: facts } = result.summary.certificate;
-    assert.deepEqual([facts.rule, facts.surface, facts.unbalancedLines], ['winding', false, '0']);
+    const { set, solid: facts } = result.summary.certificate;
+    assert.deepEqual([set, facts.rule, facts.unbalancedLines], ['interior', 'winding', '0']);
   }
 });
 

@@ -37,7 +37,7 @@ foreach(name merge_test merge_errors_test)
   latvox_add_test(client_${name} SOURCES unit/client/grid/${name}.cc
                   LIBRARIES latvox::grid latvox::openvdb_trees GTest::gmock)
 endforeach()
-foreach(name call_test attributes_call_test band_call_test call_end_test dense_test error_test)
+foreach(name call_test call_end_test dense_test error_test fields_call_test)
   latvox_add_test(client_${name} THREADED SOURCES unit/client/internal/${name}.cc
                   LIBRARIES latvox::client latvox::proto GTest::gmock)
 endforeach()

@@ -21,15 +21,13 @@ namespace latvox::client {
 // One value for each lattice point of a box, in C order: k runs fastest. Element 0 is the point box.min, whose center
 // is GridTransform::ToWorld(box.min).
 struct DenseVoxels {
-  IndexBox box;                       // the lattice points
-  std::array<size_t, 3> shape{};      // the number of points along i, j and k
-  std::array<size_t, 3> strides{};    // the elements from one point to the next along i, j and k
-  std::vector<uint8_t> voxels = {};   // 1 for a voxel, 0 for another point
-  std::vector<float> distances = {};  // for a band: world units, NaN where there is no voxel; otherwise empty
-  // With attributes: `attributes_per_voxel` numbers for each point, 0 where there is no voxel; otherwise empty. That of
-  // attribute a at element n is attributes[n * attributes_per_voxel + a].
-  std::vector<uint32_t> attributes = {};
-  size_t attributes_per_voxel = 0;  // the number of VoxelizeRequest::attributes
+  IndexBox box;                      // the lattice points
+  std::array<size_t, 3> shape{};     // the number of points along i, j and k
+  std::array<size_t, 3> strides{};   // the elements from one point to the next along i, j and k
+  std::vector<uint8_t> voxels = {};  // 1 for a voxel, 0 for another point
+  // The fields that voxels carry: FieldFacts::components numbers for each point. Where there is no voxel, they are NaN
+  // if they are floats, otherwise 0. Component c at element n is As<T>()[n * components + c].
+  std::vector<FieldValues> fields = {};
 
   // Returns the element of a lattice point. Precondition: the box contains the point.
   size_t IndexOf(const Vec3i& ijk) const {
@@ -39,8 +37,7 @@ struct DenseVoxels {
   }
 };
 
-// The most lattice points of a dense array, unless a program gives another limit: 1 GiB without distances and
-// attributes.
+// The most lattice points of a dense array, unless a program gives another limit: 1 GiB without fields.
 inline constexpr uint64_t kMostDensePoints = uint64_t{1} << 30;
 
 // Returns the voxels of the bricks that lie in the box. Memory: 1 byte for each point of the box.
@@ -49,8 +46,7 @@ inline constexpr uint64_t kMostDensePoints = uint64_t{1} << 30;
 LATVOX_EXPORT absl::StatusOr<DenseVoxels> ToDense(std::span<const Brick> bricks, const IndexBox& box,
                                                   uint64_t most_points = kMostDensePoints);
 
-// Does the same with distances and attributes. Memory: 1 byte for each point, 4 more for a band, 4 more for each
-// attribute.
+// Does the same with fields. Memory: 1 byte for each point, and FieldFacts::bytes for each field.
 LATVOX_EXPORT absl::StatusOr<DenseVoxels> ToDense(const Voxelization& all, const IndexBox& box,
                                                   uint64_t most_points = kMostDensePoints);
 

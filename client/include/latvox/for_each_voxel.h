@@ -7,7 +7,6 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <span>
 
 #include "latvox/export.h"
@@ -17,9 +16,17 @@ namespace latvox::client {
 
 // One voxel of a batch or of a whole voxelization.
 struct Voxel {
-  Vec3i ijk;                             // lattice coordinates; GridTransform::ToWorld gives its center
-  std::optional<float> distance;         // of a band, world units; absent for other sets
-  std::span<const uint32_t> attributes;  // one number for each of VoxelizeRequest::attributes, in their order
+  Vec3i ijk;                            // lattice coordinates; GridTransform::ToWorld gives its center
+  size_t number;                        // among the voxels of the batch, from 0
+  std::span<const FieldValues> fields;  // of all voxels of the batch
+
+  // Returns the components of a field of this voxel; none if voxels do not carry it. T is as in FieldValues::As.
+  template <class T>
+  std::span<const T> Of(Field field) const {
+    const FieldValues* const values = FindField(fields, field);
+    const size_t count = FactsOf(field).components;
+    return values == nullptr ? std::span<const T>() : values->As<T>().subspan(number * count, count);
+  }
 };
 
 // Calls visit(ijk) with the lattice coordinates of each voxel of the brick, in lexicographic order.
@@ -37,35 +44,20 @@ void ForEachVoxel(const Brick& brick, Visit&& visit) {
 // Returns the number of voxels in the brick, 0 to 512.
 LATVOX_EXPORT size_t CountVoxels(const Brick& brick);
 
-// Returns the number of attributes that each voxel of the batch carries; 0 if there is no voxel.
-inline size_t AttributesPerVoxel(const BrickBatch& batch) {
-  size_t voxels = 0;
-  for (const Brick& brick : batch.bricks) voxels += CountVoxels(brick);
-  return voxels == 0 ? 0 : batch.attributes.size() / voxels;
-}
-
-// Calls visit(voxel) with each Voxel of the batch, brick after brick. Its attributes are valid as long as the batch's.
-// Precondition: `values` is empty or has a number for each voxel, and `attributes` has equally many for each voxel. The
-// SDK checks this for every batch that it passes on.
+// Calls visit(voxel) with each Voxel of the batch, brick after brick. Its fields are valid as long as the batch's.
+// Precondition: fields have values for each voxel. The SDK checks this for every batch that it passes on.
 template <class Visit>
 void ForEachVoxel(const BrickBatch& batch, Visit&& visit) {
-  const size_t width = AttributesPerVoxel(batch);
   size_t n = 0;
   for (const Brick& brick : batch.bricks) {
-    ForEachVoxel(brick, [&](const Vec3i& ijk) {
-      Voxel voxel{ijk, std::nullopt, batch.attributes.subspan(n * width, width)};
-      if (!batch.values.empty()) voxel.distance = batch.values[n];
-      ++n;
-      visit(static_cast<const Voxel&>(voxel));
-    });
+    ForEachVoxel(brick, [&](const Vec3i& ijk) { visit(Voxel{ijk, n++, batch.fields}); });
   }
 }
 
 // Does the same with a whole voxelization.
 template <class Visit>
 void ForEachVoxel(const Voxelization& all, Visit&& visit) {
-  ForEachVoxel(BrickBatch{.bricks = all.bricks, .progress = 1, .values = all.values, .attributes = all.attributes},
-               visit);
+  ForEachVoxel(BrickBatch{.bricks = all.bricks, .progress = 1, .fields = all.fields}, visit);
 }
 
 }  // namespace latvox::client

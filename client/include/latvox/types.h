@@ -7,6 +7,7 @@
 #define LATVOX_LATVOX_TYPES_H_
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -65,12 +66,6 @@ enum class Algorithm {
   kOptimizedIncremental,  // the same by one addition for each voxel
 };
 
-// The kind of set: one that separates, or all voxels whose closed Voronoi cell meets the mesh (conservative).
-enum class Cover {
-  kSeparating,  // few voxels, and no gap for a path through the mesh
-  kSupercover,  // all
-};
-
 // A half-open box of lattice points: min <= ijk < max on every axis.
 struct IndexBox {
   Vec3i min{};  // the lowest point, inside
@@ -92,25 +87,77 @@ struct Shard {
   bool operator==(const Shard&) const = default;
 };
 
-// The lattice points near the mesh, each with its distance: see Band in the protocol.
-struct Band {
-  double width = 0;        // finite, at least 1/8192 of a voxel size
-  bool in_voxels = false;  // width counts GridTransform.voxel_size; otherwise world units
-  bool is_signed = false;  // distances are negative inside; the mesh must be closed
-};
-
-// A number of the mesh that voxels may carry: that of the nearest corner of the nearest triangle. See Attribute in the
-// protocol, which also describes its form in a Draco mesh.
-enum class Attribute {
+// What voxels can carry, from the nearest triangle of the mesh: see Field in the protocol.
+enum class Field {
   kPart,      // the part of the mesh
   kMaterial,  // the material
-  kColor,     // red, green and blue of 0 to 255: red << 16 | green << 8 | blue
+  kColor,     // red, green, blue
+  kDistance,  // the distance to the mesh, world units
+  kTriangle,  // the number of the nearest triangle in the mesh as sent
+  kPoint,     // its nearest point, as weights of its second and third corner
+  kNormal,    // its unit normal in the world: x, y, z
 };
 
-// "part", "material" or "color".
-constexpr const char* NameOf(Attribute attribute) {
-  constexpr const char* kNames[] = {"part", "material", "color"};
-  return kNames[static_cast<size_t>(attribute)];
+// The types of a field's components.
+enum class NumberType { kUint8, kUint32, kFloat32 };
+
+// A field's name, and the form of its values.
+struct FieldFacts {
+  Field field;
+  const char* name;  // in the protocol, in files and on the command line
+  NumberType type;   // of each component
+  size_t components;
+  bool is_of_mesh;  // each vertex of the mesh has a number for it
+
+  // Returns the bytes of a voxel.
+  constexpr size_t bytes() const { return components * (type == NumberType::kUint8 ? 1 : 4); }
+};
+
+// All fields, in the order of their values.
+inline constexpr std::array kFields{
+    FieldFacts{Field::kPart, "part", NumberType::kUint32, 1, true},
+    FieldFacts{Field::kMaterial, "material", NumberType::kUint32, 1, true},
+    FieldFacts{Field::kColor, "color", NumberType::kUint8, 3, true},
+    FieldFacts{Field::kDistance, "distance", NumberType::kFloat32, 1, false},
+    FieldFacts{Field::kTriangle, "triangle", NumberType::kUint32, 1, false},
+    FieldFacts{Field::kPoint, "point", NumberType::kFloat32, 2, false},
+    FieldFacts{Field::kNormal, "normal", NumberType::kFloat32, 3, false},
+};
+
+// Returns the row of a field.
+constexpr const FieldFacts& FactsOf(Field field) { return kFields[static_cast<size_t>(field)]; }
+
+// "part", "material", "color", "distance", "triangle", "point" or "normal".
+constexpr const char* NameOf(Field field) { return FactsOf(field).name; }
+
+// Returns whether the field is among these.
+inline bool CarriesField(std::span<const Field> fields, Field field) {
+  for (const Field one : fields) {
+    if (one == field) return true;
+  }
+  return false;
+}
+
+// The values of voxels for one field, without gaps: FieldFacts::bytes for each voxel, brick after brick, and within a
+// brick in lexicographic order of ijk.
+struct FieldValues {
+  Field field = Field::kPart;
+  std::vector<std::byte> bytes = {};
+
+  // Returns all components. T is uint8_t, uint32_t or float, as FieldFacts::type says.
+  template <class T>
+  std::span<const T> As() const {
+    return {reinterpret_cast<const T*>(bytes.data()), bytes.size() / sizeof(T)};
+  }
+  bool operator==(const FieldValues&) const = default;
+};
+
+// Returns the values of a field, or null if there are none.
+inline const FieldValues* FindField(std::span<const FieldValues> fields, Field field) {
+  for (const FieldValues& values : fields) {
+    if (values.field == field) return &values;
+  }
+  return nullptr;
 }
 
 // The encoding of bricks on the wire; the result is the same.
@@ -144,22 +191,58 @@ enum class Placement {
 // "points" or "cells".
 constexpr const char* NameOf(Placement placement) { return placement == Placement::kPoints ? "points" : "cells"; }
 
-// The fill of a mesh, which must be closed: every edge belongs to an even number of triangles (kParity), or is used
-// equally often both ways (kWinding, kPositive).
+// The voxels of the mesh itself that belong to a solid.
+enum class SolidSurface {
+  kSeparating,  // those of Surface
+  kSupercover,  // those of Supercover
+  kNone,        // none: every voxel's center is inside
+};
+
+// The sets of lattice points: see VoxelizeSpec.set in the protocol. The voxels of the mesh that separate its sides.
+struct Surface {
+  bool operator==(const Surface&) const = default;
+};
+
+// All voxels whose closed Voronoi cell meets the mesh (conservative): the same ones for every separability.
+struct Supercover {
+  bool operator==(const Supercover&) const = default;
+};
+
+// The points inside of the mesh. It must be closed: every edge belongs to an even number of triangles (kParity), or is
+// used equally often both ways (kWinding, kPositive).
 struct Solid {
-  InteriorRule rule = InteriorRule::kAuto;  // the rule for the inside
-  bool surface = true;                      // include the surface's voxels
-  bool force_open = false;                  // fill a mesh that is not closed, along the balanced lattice lines in k
+  InteriorRule rule = InteriorRule::kAuto;           // the rule for the inside
+  SolidSurface surface = SolidSurface::kSeparating;  // the voxels of the mesh itself that belong to it
+  bool force_open = false;  // fill a mesh that is not closed, along the balanced lattice lines in k
   bool operator==(const Solid&) const = default;
 };
 
-// The layout of a mesh that is sent as plain arrays instead of a Draco stream: positions, triangles and attributes, one
+// The lattice points near the mesh: see Band in the protocol.
+struct Band {
+  double width = 0;        // finite, at least 1/8192 of a voxel size
+  bool in_voxels = false;  // width counts GridTransform.voxel_size; otherwise world units
+  bool operator==(const Band&) const = default;
+};
+
+// One set of lattice points.
+using VoxelSet = std::variant<Surface, Supercover, Solid, Band>;
+
+// "surface", "supercover", "solid", "supercover-solid", "interior" or "band": Certificate.set of its voxels.
+constexpr const char* NameOf(const VoxelSet& set) {
+  if (std::holds_alternative<Surface>(set)) return "surface";
+  if (std::holds_alternative<Supercover>(set)) return "supercover";
+  if (std::holds_alternative<Band>(set)) return "band";
+  constexpr const char* kNames[] = {"solid", "supercover-solid", "interior"};
+  return kNames[static_cast<size_t>(std::get<Solid>(set).surface)];
+}
+
+// The layout of a mesh that is sent as plain arrays instead of a Draco stream: positions, triangles and fields, one
 // after the other. See RawMesh in the protocol; EncodeRawMesh makes one.
 struct RawMeshLayout {
-  uint64_t vertices = 0;                   // three numbers each
-  uint64_t triangles = 0;                  // three indices of vertices each, uint32
-  bool has_doubles = false;                // positions are float64, otherwise float32
-  std::vector<Attribute> attributes = {};  // one uint32 for each vertex and attribute
+  uint64_t vertices = 0;           // three numbers each
+  uint64_t triangles = 0;          // three indices of vertices each, uint32
+  bool has_doubles = false;        // positions are float64, otherwise float32
+  std::vector<Field> fields = {};  // of the mesh: one uint32 for each vertex and field
   bool operator==(const RawMeshLayout&) const = default;
 };
 
@@ -177,10 +260,9 @@ struct VoxelizeRequest {
   bool verify = false;                      // count tunnels and redundant voxels of the finished set independently
   Algorithm algorithm = Algorithm::kExact;  // the way to find the voxels
   BrickEncoding encoding = BrickEncoding::kPacked;  // their encoding on the wire
-  std::optional<Solid> solid = std::nullopt;        // the points inside the mesh, too
-  Cover cover = Cover::kSeparating;                 // kSupercover: the same voxels for every separability
-  std::optional<Band> band = std::nullopt;          // points near the mesh, with distances, instead of a surface
-  std::vector<Attribute> attributes = {};           // carried by voxels, each once; the mesh must have them
+  VoxelSet set = Surface{};                         // the lattice points to find
+  std::vector<Field> fields = {};                   // carried by each of them, each once; the mesh must have its own
+  bool signed_distance = false;                     // Field::kDistance is negative inside
   // Only voxels whose centers lie in this box, exactly as in the whole; the lattice does not move.
   std::optional<WorldBox> bounds = std::nullopt;
   std::optional<RawMeshLayout> raw_mesh = std::nullopt;  // layout of the mesh's bytes; default: they are a Draco stream
@@ -248,57 +330,51 @@ struct Brick {
 
 // The next bricks. Their memory belongs to the SDK, until the handler returns, or until the next Next of a BrickStream.
 struct BrickBatch {
-  std::span<const Brick> bricks;  // whole 64^3 tiles
-  double progress = 0;            // share of the work done, 0 to 1, never decreasing
-  // For a band: the distance of each voxel, world units; brick after brick, and within a brick in lexicographic order
-  // of ijk.
-  std::span<const float> values = {};
-  // With VoxelizeRequest.attributes: one number for each voxel and attribute, in their order; voxels are in the order
-  // of `values`.
-  std::span<const uint32_t> attributes = {};
+  std::span<const Brick> bricks;             // whole 64^3 tiles, except where their fields are large
+  double progress = 0;                       // share of the work done, 0 to 1, never decreasing
+  std::span<const FieldValues> fields = {};  // of their voxels: one for each of VoxelizeRequest.fields, in their order
 };
 
-// The fill of a mesh.
+// The inside of a mesh.
 struct SolidFacts {
   std::string rule;               // the one that was used: "parity", "winding" or "positive"
-  bool surface = true;            // the set includes the surface's voxels
   uint64_t unbalanced_lines = 0;  // along k, which have no interior; 0 if the mesh is closed
 };
 
-// The distances of a band.
-struct BandCertificate {
-  double width = 0;        // world units
-  bool is_signed = false;  // distances inside are negative
-  std::string digest;      // of voxels and distances, 32 hexadecimal digits
+// A band.
+struct BandFacts {
+  double width = 0;  // world units
 };
 
-// The attributes of voxels.
-struct AttributeCertificate {
-  std::vector<Attribute> attributes;  // those of VoxelizeRequest
-  std::string digest;                 // of voxels and attributes, 32 hexadecimal digits
+// A field of a result.
+struct FieldCertificate {
+  Field field = Field::kPart;
+  std::string digest;  // of voxels and field, 32 hexadecimal digits
+  bool operator==(const FieldCertificate&) const = default;
 };
 
 // Properties of the result, proved or checked.
 struct Certificate {
-  std::string lattice;              // "cartesian", "bcc", "fcc", "hexagonal", "stretched-" and one of these, or "basis"
-  uint32_t separability = 0;        // k
-  bool tunnel_free = false;         // every crossed lattice link has an end in the set; for a part: in the whole
-  bool minimal = false;             // no voxel can leave
-  bool verified = false;            // the next two were counted for this result
-  uint64_t tunnels = 0;             // crossed lattice links without an end in the set; valid if verified
-  uint64_t redundant = 0;           // voxels that could leave; valid if verified
-  bool closed = false;              // as in MeshFacts, like the next two
-  double snap_error_max = 0;        // voxels
-  uint32_t quantization_bits = 0;   // 0: none
-  std::string algorithm;            // "exact", "brute-force", "incremental" or "optimized-incremental"
-  std::string version;              // of the server
-  std::string digest;               // identifies the voxel set: 32 hexadecimal digits
-  std::optional<Shard> shard;       // the shard, if the request asked for one
-  std::optional<SolidFacts> solid;  // the fill of the mesh, if there is one
-  std::string cover;                // "separating" or "supercover"
-  std::optional<BandCertificate> band = std::nullopt;  // facts about the distances, if the request asked for a band
-  std::optional<AttributeCertificate> attributes = std::nullopt;  // facts about the attributes, if there are any
-  bool whole_minimal = false;                                     // `minimal` of the whole to which this part belongs
+  std::string lattice;             // "cartesian", "bcc", "fcc", "hexagonal", "stretched-" and one of these, or "basis"
+  uint32_t separability = 0;       // k
+  bool tunnel_free = false;        // every crossed lattice link has an end in the set; for a part: in the whole
+  bool minimal = false;            // no voxel can leave
+  bool verified = false;           // the next two were counted for this result
+  uint64_t tunnels = 0;            // crossed lattice links without an end in the set; valid if verified
+  uint64_t redundant = 0;          // voxels that could leave; valid if verified
+  bool closed = false;             // as in MeshFacts, like the next two
+  double snap_error_max = 0;       // voxels
+  uint32_t quantization_bits = 0;  // 0: none
+  std::string algorithm;           // "exact", "brute-force", "incremental" or "optimized-incremental"
+  std::string version;             // of the server
+  std::string digest;              // identifies the voxel set: 32 hexadecimal digits
+  std::optional<Shard> shard;      // the shard, if the request asked for one
+  std::string set;                 // "surface", "supercover", "solid", "supercover-solid", "interior" or "band"
+  std::optional<SolidFacts> solid = std::nullopt;  // for a solid
+  std::optional<BandFacts> band = std::nullopt;    // for a band
+  std::vector<FieldCertificate> fields = {};       // one for each of VoxelizeRequest.fields, in their order
+  bool signed_distance = false;                    // as in the request
+  bool whole_minimal = false;                      // `minimal` of the whole to which this part belongs
 };
 
 // Wall-clock milliseconds within the server; for a resumed call, within the last server.
@@ -325,11 +401,10 @@ struct Summary {
 
 // A whole voxelization in memory.
 struct Voxelization {
-  Accepted accepted;                      // grid and box
-  std::vector<Brick> bricks;              // in the order of their arrival, which is the same each time
-  std::vector<float> values;              // for a band: their voxels' distances, as in BrickBatch
-  Summary summary;                        // counts and certificate
-  std::vector<uint32_t> attributes = {};  // their voxels' attributes, as in BrickBatch
+  Accepted accepted;                     // grid and box
+  std::vector<Brick> bricks;             // in the order of their arrival, which is the same each time
+  Summary summary;                       // counts and certificate
+  std::vector<FieldValues> fields = {};  // of their voxels, as in BrickBatch
 };
 
 // The limits of requests.

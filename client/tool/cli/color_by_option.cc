@@ -34,13 +34,13 @@ OptionRow ColorByRow(bool distances, std::string& word) {
 
 ColorBy ColorByOf(const std::string& word, bool distances, const GridContent& content) {
   if (!word.empty()) return ValueNamed(NamesOf(distances), word);
-  VoxelTraits traits{content.attributes};
-  if (distances) traits.band = content.band;
+  VoxelTraits traits = TraitsOf(content);
+  if (!distances) traits.distances.reset();
   return DefaultColorBy(traits);
 }
 
 absl::StatusOr<std::vector<uint32_t>> FileColors(const std::string& path, const GridContent& content, ColorBy by) {
-  auto colors = ColorsOf(content.Batch(), {content.attributes, content.band}, by);
+  auto colors = ColorsOf(content.Batch(), TraitsOf(content), by);
   if (colors.ok()) return colors;
   return absl::InvalidArgumentError(absl::StrCat(path, ": ", colors.status().message(), ", which --color-by requires"));
 }

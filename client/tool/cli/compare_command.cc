@@ -32,30 +32,26 @@ bool SamePlaces(const std::vector<FieldDifference>& fields) {
   });
 }
 
-std::string NamesOf(const std::vector<Attribute>& attributes) {
-  return absl::StrJoin(attributes, ",", [](std::string* out, Attribute attribute) { *out += NameOf(attribute); });
+std::string NamesOf(const std::vector<FieldValues>& fields) {
+  return absl::StrJoin(fields, ",", [](std::string* out, const FieldValues& field) { *out += NameOf(field.field); });
 }
 
-// Compares the metadata, and which attributes exist, whatever the metadata say about that.
+// Compares the metadata, and which fields the voxels carry, whatever the metadata say about that.
 std::vector<FieldDifference> FieldsOf(const GridContent& a, const GridContent& b) {
   std::vector<FieldDifference> fields = CompareFields(a.file.info, b.file.info);
-  if (a.attributes != b.attributes) fields.push_back({"grids", NamesOf(a.attributes), NamesOf(b.attributes)});
+  const std::string of_a = NamesOf(a.fields), of_b = NamesOf(b.fields);
+  if (of_a != of_b) fields.push_back({"grids", of_a, of_b});
   return fields;
 }
 
 std::string ToJson(const Report& report, const std::vector<std::string>& outputs) {
   const VoxelDifference& voxels = report.voxels;
-  Json json = {{"equal", report.equal},
-               {"voxels", {{"a", report.voxels_a}, {"b", report.voxels_b}}},
-               {"only_a", voxels.only_a},
-               {"only_b", voxels.only_b},
-               {"both", voxels.both},
-               {"jaccard", voxels.Jaccard()},
-               {"box", nullptr},
-               {"first", Json::array()},
-               {"fields", Json::array()},
-               {"distances", nullptr},
-               {"attributes", Json::object()}};
+  Json json = {{"equal", report.equal},   {"voxels", {{"a", report.voxels_a}, {"b", report.voxels_b}}},
+               {"only_a", voxels.only_a}, {"only_b", voxels.only_b},
+               {"both", voxels.both},     {"jaccard", voxels.Jaccard()},
+               {"box", nullptr},          {"first", Json::array()},
+               {"fields", Json::array()}, {"distances", nullptr},
+               {"values", Json::object()}};
   json["same_places"] = SamePlaces(report.fields);
   if (voxels.box) json["box"] = {{"min", voxels.box->min}, {"max", voxels.box->max}};
   for (const auto& [ijk, in_a] : voxels.first) json["first"].push_back({{"ijk", ijk}, {"only", in_a ? "a" : "b"}});
@@ -64,7 +60,7 @@ std::string ToJson(const Report& report, const std::vector<std::string>& outputs
     json["distances"] = {{"differ", distances->differ}, {"greatest", distances->greatest}, {"at", nullptr}};
     if (distances->at) json["distances"]["at"] = *distances->at;
   }
-  for (const auto& [attribute, differ] : report.values.attributes) json["attributes"][NameOf(attribute)] = differ;
+  for (const auto& [field, differ] : report.values.others) json["values"][NameOf(field)] = differ;
   if (!outputs.empty()) json["outputs"] = outputs;
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
@@ -93,8 +89,8 @@ std::string ToText(const Report& report, const CompareWords& words) {
     }
     text += "\n";
   }
-  for (const auto& [attribute, differ] : report.values.attributes) {
-    absl::StrAppend(&text, NameOf(attribute), ": ", differ, " of the voxels in both differ\n");
+  for (const auto& [field, differ] : report.values.others) {
+    absl::StrAppend(&text, NameOf(field), ": ", differ, " of the voxels in both differ\n");
   }
   const auto is_picture = [](const std::string& path) { return absl::EndsWithIgnoreCase(path, ".png"); };
   if (!words.outputs.empty()) {
@@ -131,7 +127,7 @@ void AddCompareOptions(CommandParser& command, CompareWords& words) {
                {.names = "b", .target = &words.b, .help = "Second OpenVDB file", .value = "B.vdb", .required = true},
                {.names = "--voxels",
                 .target = &words.voxels_only,
-                .help = "Compare only the voxels and their positions, neither attributes and distances nor metadata"},
+                .help = "Compare only the voxels and their positions, neither fields nor metadata"},
                output,
                {.names = "--json", .target = &words.json, .help = "Print the report as JSON"}});
 }
@@ -145,9 +141,9 @@ absl::StatusOr<Comparison> RunCompare(const CompareWords& words, const Cancellat
   if (!a.ok()) return a.status();
   const auto b = ReadForeignContent(words.b, !words.voxels_only, cancellation);
   if (!b.ok()) return b.status();
-  if (a->band.has_value() != b->band.has_value() && !words.voxels_only) {
-    return absl::InvalidArgumentError(absl::StrCat(a->band ? words.a : words.b, " is a band of distances, ",
-                                                   a->band ? words.b : words.a,
+  if (a->is_band != b->is_band && !words.voxels_only) {
+    return absl::InvalidArgumentError(absl::StrCat(a->is_band ? words.a : words.b, " is a band of distances, ",
+                                                   a->is_band ? words.b : words.a,
                                                    " is a set of voxels; --voxels compares only the voxels"));
   }
   const GridFileInfo &of_a = a->file.info, &of_b = b->file.info;

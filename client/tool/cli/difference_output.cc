@@ -20,7 +20,7 @@ namespace {
 
 struct MarkColor {
   DifferenceMark mark;
-  uint32_t color;  // as in Attribute
+  uint32_t color;  // red << 16 | green << 8 | blue
   const char* name;
 };
 
@@ -34,13 +34,13 @@ constexpr MarkColor kColors[] = {{DifferenceMark::kSame, 0xB8B8B8, "gray"},
 struct MarkedVoxels {
   std::vector<Brick> bricks;
   std::vector<DifferenceMark> marks;  // of each voxel
-  std::vector<float> changes;         // of each voxel with other values, if both files are bands
+  std::vector<float> changes;         // of each voxel whose distances differ
 };
 
 class Marking {
  public:
   Marking(const GridContent& a, const GridContent& b, bool values)
-      : a_(a), b_(b), values_(values), places_(values ? CommonAttributes(a, b) : AttributePlaces{}) {}
+      : a_(a), b_(b), fields_(values ? CommonFields(a, b) : std::vector<CommonField>{}) {}
 
   MarkedVoxels Mark() {
     ForEachPair(a_.file.bricks, b_.file.bricks, [&](const Brick* of_a, const Brick* of_b) {
@@ -65,21 +65,18 @@ class Marking {
 
   // Compares the voxel m_ of A with the voxel n_ of B.
   bool HasOtherValues() {
-    if (!values_) return false;
     bool differ = false;
-    if (a_.band && b_.band && a_.distances[m_] != b_.distances[n_]) {
-      found_.changes.push_back(b_.distances[n_] - a_.distances[m_]);
+    for (const CommonField& field : fields_) {
+      if (!field.Differs(m_, n_)) continue;
       differ = true;
-    }
-    for (const auto& [p, q] : places_) {
-      differ |= a_.numbers[a_.attributes.size() * m_ + p] != b_.numbers[b_.attributes.size() * n_ + q];
+      if (field.a->field != Field::kDistance) continue;
+      found_.changes.push_back(field.b->As<float>()[n_] - field.a->As<float>()[m_]);
     }
     return differ;
   }
 
   const GridContent &a_, &b_;
-  const bool values_;
-  const AttributePlaces places_;
+  const std::vector<CommonField> fields_;
   size_t m_ = 0, n_ = 0;  // voxels passed
   MarkedVoxels found_;
 };
@@ -145,7 +142,7 @@ absl::StatusOr<std::vector<std::unique_ptr<AtomicFile>>> WriteDifferences(const 
                                                                           const GridContent& a, const GridContent& b,
                                                                           const Cancellation& cancellation) {
   const GridTransform& transform = a.file.info.transform;
-  const bool is_band = !words.voxels_only && a.band && b.band;
+  const bool is_band = !words.voxels_only && a.is_band && b.is_band;
   const MarkedVoxels all = Marking(a, b, !words.voxels_only).Mark();
   std::vector<std::unique_ptr<AtomicFile>> files;
   for (const std::string& path : words.outputs) {

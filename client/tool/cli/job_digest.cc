@@ -1,6 +1,7 @@
 #include "client/tool/cli/job_digest.h"
 
 #include <string_view>
+#include <variant>
 
 #include "absl/strings/escaping.h"
 #include "client/json/json.h"
@@ -28,12 +29,12 @@ absl::StatusOr<std::string> Sha256Of(const std::vector<T>& values) {
 }
 
 // Returns the attributes of the corners of all triangles.
-std::vector<uint32_t> NumbersOf(const Mesh& mesh, const std::vector<Attribute>& attributes) {
+std::vector<uint32_t> NumbersOf(const Mesh& mesh, const std::vector<Field>& attributes) {
   std::vector<uint32_t> numbers;
   AttributeNumbers of_mesh(mesh);
   for (size_t t = 0; t < mesh.triangles.size(); ++t) {
     for (const uint32_t vertex : mesh.triangles[t]) {
-      for (const Attribute attribute : attributes) numbers.push_back(of_mesh.At(t, vertex, attribute));
+      for (const Field attribute : attributes) numbers.push_back(of_mesh.At(t, vertex, attribute));
     }
   }
   return numbers;
@@ -74,18 +75,19 @@ Json RequestJson(const VoxelizeRequest& request) {
                {"resolution", OrNull(request.resolution)},
                {"origin", OrNull(request.origin)},
                {"separability", request.separability},
-               {"minimal", request.minimal.value_or(request.cover == Cover::kSeparating)},
+               {"minimal", OrNull(request.minimal)},
                {"verify", request.verify},
-               {"algorithm", static_cast<int>(request.algorithm)}};
-  if (request.cover == Cover::kSupercover) json["cover"] = "supercover";
+               {"algorithm", static_cast<int>(request.algorithm)},
+               {"set", NameOf(request.set)}};
   if (request.placement) json["placement"] = NameOf(*request.placement);
   if (request.region) json["region"] = {request.region->min, request.region->max};
   if (request.bounds) json["bounds"] = {request.bounds->min, request.bounds->max};
-  if (request.band) json["band"] = {request.band->width, request.band->in_voxels, request.band->is_signed};
-  for (const Attribute attribute : request.attributes) json["attributes"].push_back(NameOf(attribute));
+  if (const auto* band = std::get_if<Band>(&request.set)) json["band"] = {band->width, band->in_voxels};
+  for (const Field field : request.fields) json["fields"].push_back(NameOf(field));
+  if (request.signed_distance) json["signed"] = true;
   if (request.shard) json["shard"] = {request.shard->index, request.shard->count};
-  if (const auto& solid = request.solid) {
-    json["solid"] = {static_cast<int>(solid->rule), solid->surface, solid->force_open};
+  if (const auto* solid = std::get_if<Solid>(&request.set)) {
+    json["solid"] = {static_cast<int>(solid->rule), solid->force_open};
   }
   return json;
 }

@@ -19,7 +19,7 @@ namespace {
 
 enum class Kind { kText, kNumber, kNumberOrText, kNumberOrNumbers, kNumbers, kFlag, kTexts };
 
-constexpr std::pair<const char*, Kind> kFields[] = {
+constexpr std::pair<const char*, Kind> kLineFields[] = {
     {"lattice", Kind::kText},
     {"basis", Kind::kNumbers},
     {"voxel_size", Kind::kNumberOrNumbers},
@@ -30,14 +30,12 @@ constexpr std::pair<const char*, Kind> kFields[] = {
     {"separability", Kind::kNumber},
     {"minimal", Kind::kFlag},
     {"algorithm", Kind::kText},
-    {"fill", Kind::kText},
-    {"interior_rule", Kind::kText},
-    {"without_surface", Kind::kFlag},
+    {"set", Kind::kText},
+    {"rule", Kind::kText},
     {"force_open", Kind::kFlag},
-    {"cover", Kind::kText},
     {"band", Kind::kNumberOrText},
+    {"fields", Kind::kTexts},
     {"signed", Kind::kFlag},
-    {"attributes", Kind::kTexts},
     {"upload", Kind::kText},
     {"quantization", Kind::kNumberOrText},
     {"verify", Kind::kFlag},
@@ -174,7 +172,7 @@ std::string OptionOf(absl::string_view field) { return absl::StrCat("--", absl::
 
 absl::Status Unknown(const std::string& field) {
   const auto name = [](std::string* out, const auto& entry) { *out += entry.first; };
-  return Wrong(field, ": unknown field; the fields are mesh, out, id, ", absl::StrJoin(kFields, ", ", name));
+  return Wrong(field, ": unknown field; the fields are mesh, out, id, ", absl::StrJoin(kLineFields, ", ", name));
 }
 
 // Returns the words of a command line for the request of the object, without outputs.
@@ -183,8 +181,8 @@ absl::StatusOr<std::vector<std::string>> Words(const SortedJson& object, const C
   for (const auto& [field, value] : object.items()) {
     if (field == "mesh" || field == "out" || field == "id") continue;
     const auto is_it = [name = field](const auto& entry) { return entry.first == name; };
-    const auto entry = std::find_if(std::begin(kFields), std::end(kFields), is_it);
-    if (entry == std::end(kFields)) return Unknown(field);
+    const auto entry = std::find_if(std::begin(kLineFields), std::end(kLineFields), is_it);
+    if (entry == std::end(kLineFields)) return Unknown(field);
     const Kind kind = entry->second;
     if (!Is(value, kind)) return WrongType(field, value, kTypes[static_cast<size_t>(kind)]);
     const std::string option = OptionOf(field);
@@ -205,7 +203,7 @@ JobParser::JobParser(std::string folder, std::string directory)
     : folder_(std::move(folder)), directory_(std::move(directory)) {
   AddRequestOptions(parser_, words_);
   names_.emplace_back("--out", "out");
-  for (const auto& [field, kind] : kFields) names_.emplace_back(OptionOf(field), field);
+  for (const auto& [field, kind] : kLineFields) names_.emplace_back(OptionOf(field), field);
 }
 
 absl::StatusOr<Job> JobParser::Parse(absl::string_view line) {

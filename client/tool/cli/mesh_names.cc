@@ -6,14 +6,14 @@
 
 namespace latvox::client {
 
-CarriedNames NamesOf(const Mesh& mesh, const std::vector<Attribute>& attributes) {
+CarriedNames NamesOf(const Mesh& mesh, const std::vector<Field>& attributes) {
   CarriedNames names;
-  for (const Attribute attribute : attributes) {
-    if (attribute == Attribute::kPart && !mesh.part_names.empty()) {
+  for (const Field attribute : attributes) {
+    if (attribute == Field::kPart && !mesh.part_names.empty()) {
       names.parts = mesh.part_names;
       names.parts.resize(NextPart(mesh));
     }
-    if (attribute == Attribute::kMaterial && !mesh.material_names.empty()) {
+    if (attribute == Field::kMaterial && !mesh.material_names.empty()) {
       names.materials = mesh.material_names;
       names.materials.resize(mesh.materials);
     }

@@ -11,7 +11,7 @@
 namespace latvox::client {
 
 // Returns the names of these attributes: none, or one for each part or material of the mesh.
-CarriedNames NamesOf(const Mesh& mesh, const std::vector<Attribute>& attributes);
+CarriedNames NamesOf(const Mesh& mesh, const std::vector<Field>& attributes);
 
 }  // namespace latvox::client
 

@@ -58,16 +58,20 @@ absl::StatusOr<MeshUpload> PrepareDraco(const VoxelizeOptions& options, const Ca
   return DoAbandonably(count, call);
 }
 
+// Draco changes the order of triangles.
+bool NeedsOrder(const std::vector<Field>& fields) {
+  return CarriesField(fields, Field::kTriangle) || CarriesField(fields, Field::kPoint);
+}
+
 UploadForm ChooseForm(const Mesh& mesh, const VoxelizeOptions& options, bool has_network, int bits) {
   if (options.upload != UploadForm::kAuto) return options.upload;
-  if (NeedsDoubles(mesh, bits)) return UploadForm::kRaw;
+  if (NeedsDoubles(mesh, bits) || NeedsOrder(options.request.fields)) return UploadForm::kRaw;
   const bool is_rounded = options.quantization_bits.value_or(0) > 0;
-  const bool fits = MostRawBytes(mesh, options.request.attributes) <= kMostArrayBytes;
+  const bool fits = MostRawBytes(mesh, options.mesh.attributes) <= kMostArrayBytes;
   return is_rounded || has_network || !fits ? UploadForm::kDraco : UploadForm::kRaw;
 }
 
-absl::StatusOr<MeshUpload> Encode(const Mesh& mesh, UploadForm form, int bits,
-                                  const std::vector<Attribute>& attributes) {
+absl::StatusOr<MeshUpload> Encode(const Mesh& mesh, UploadForm form, int bits, const std::vector<Field>& attributes) {
   if (form == UploadForm::kRaw) {
     RawMesh raw = ToRaw(mesh, attributes);
     return MeshUpload{.bytes = std::move(raw.bytes), .raw = std::move(raw.layout)};
@@ -97,7 +101,7 @@ absl::StatusOr<MeshUpload> PrepareUpload(const VoxelizeOptions& options, bool ha
   const int bits = options.quantization_bits.value_or(fine);
   const UploadForm form = ChooseForm(*mesh, options, has_network, bits);
   const absl::Time begin = absl::Now();
-  const auto encode = [=, attributes = options.request.attributes,
+  const auto encode = [=, attributes = options.mesh.attributes,
                        weld = options.weld_report]() -> absl::StatusOr<MeshUpload> {
     auto upload = Encode(*mesh, form, bits, attributes);
     if (!upload.ok()) return upload;

@@ -72,7 +72,7 @@ absl::StatusOr<std::string> RunRender(const RenderWords& words, const PictureOpt
   const std::string& output = words.outputs.front();
   const auto content = ReadForeignContent(words.input, /*values=*/true, given.cancellation);
   if (!content.ok()) return content.status();
-  const bool plain = content->band.has_value() || !words.color.empty();
+  const bool plain = content->is_band || !words.color.empty();
   const ColorBy by = plain && words.color_by.empty() ? ColorBy::kNone : ColorByOf(words.color_by, false, *content);
   const auto colors = FileColors(words.input, *content, by);
   if (!colors.ok()) return colors.status();
@@ -80,8 +80,8 @@ absl::StatusOr<std::string> RunRender(const RenderWords& words, const PictureOpt
   options.style = StyleOf(words.style, *content, by);
   const GridTransform& transform = content->file.info.transform;
   std::vector<Brick> skin;
-  if (content->band) skin = SkinOf(content->Batch(), SkinDepth(transform));
-  const std::vector<Brick>& shown = content->band ? skin : content->file.bricks;
+  if (content->is_band) skin = SkinOf(content->Batch(), SkinDepth(transform));
+  const std::vector<Brick>& shown = content->is_band ? skin : content->file.bricks;
   VoxelScene scene(transform, ShiftFor(transform, DiagonalOf(shown, transform), options));
   AddBricks(shown, *colors, scene);
   scene.Seal();
@@ -89,8 +89,8 @@ absl::StatusOr<std::string> RunRender(const RenderWords& words, const PictureOpt
   if (!png.ok()) return png.status();
   if (auto status = WriteAtomically(output, *png); !status.ok()) return status;
   return absl::StrFormat("%s: %d voxels%s%s\nwrote %s in %.2f s\n", words.input, content->file.info.active_voxels,
-                         content->band ? " in the band; the picture shows those at the surface" : "", ColoredText(by),
-                         output, absl::ToDoubleSeconds(absl::Now() - start));
+                         content->is_band ? " in the band; the picture shows those at the surface" : "",
+                         ColoredText(by), output, absl::ToDoubleSeconds(absl::Now() - start));
 }
 
 }  // namespace latvox::client

@@ -29,32 +29,27 @@ Json CertificateJson(const Certificate& certificate) {
                {"tunnel_free", certificate.tunnel_free},
                {"minimal", certificate.minimal},
                {"whole_minimal", certificate.whole_minimal},
-               {"cover", certificate.cover},
+               {"set", certificate.set},
                {"closed", certificate.closed},
                {"snap_error_max", certificate.snap_error_max},
                {"quantization_bits", certificate.quantization_bits},
                {"verified", certificate.verified},
                {"algorithm", certificate.algorithm},
-               {"version", certificate.version},
-               {"fill", certificate.solid ? "solid" : "surface"}};
+               {"version", certificate.version}};
   if (const auto& solid = certificate.solid) {
-    json["interior_rule"] = solid->rule;
-    json["surface"] = solid->surface;
+    json["rule"] = solid->rule;
     json["unbalanced_lines"] = solid->unbalanced_lines;
   }
   return json;
 }
 
-Json BandJson(const BandCertificate& band) {
-  return {{"width", band.width}, {"signed", band.is_signed}, {"digest", band.digest}};
-}
-
-Json AttributesJson(const AttributeCertificate& carried, const CarriedNames& names) {
-  Json json = {{"names", Json::array()}, {"digest", carried.digest}};
-  for (const Attribute attribute : carried.attributes) {
-    json["names"].push_back(NameOf(attribute));
-    const auto& of_numbers = names.Of(attribute);
-    if (!of_numbers.empty()) json[absl::StrCat(NameOf(attribute), "_names")] = of_numbers;
+// Each field with its digest, and with names of its numbers.
+Json FieldsJson(const Certificate& certificate, const CarriedNames& names) {
+  Json json = Json::object();
+  for (const auto& [field, digest] : certificate.fields) {
+    Json& of_field = json[NameOf(field)] = {{"digest", digest}};
+    if (field == Field::kDistance) of_field["signed"] = certificate.signed_distance;
+    if (!names.Of(field).empty()) of_field["names"] = names.Of(field);
   }
   return json;
 }
@@ -81,13 +76,11 @@ Json LimitsJson(const Limits& limits) {
 
 // Returns the certain facts about the set. Other algorithms than the exact one guarantee nothing beyond the counts.
 std::string SeparationText(const Certificate& certificate) {
-  if (const auto& band = certificate.band) {
-    return absl::StrFormat("band of %g, %ssigned", band->width, band->is_signed ? "" : "un");
-  }
+  if (const auto& band = certificate.band) return absl::StrFormat("band of %g", band->width);
   const std::string k = absl::StrCat(certificate.separability);
-  if (certificate.solid && !certificate.solid->surface) return "interior";
+  if (certificate.set == "interior") return "interior";
   if (!certificate.tunnel_free) return absl::StrCat("k = ", k, ", ", certificate.algorithm);
-  if (certificate.cover == "supercover") return "supercover";
+  if (certificate.set == "supercover" || certificate.set == "supercover-solid") return "supercover";
   return absl::StrCat(k, "-separating", certificate.minimal ? ", minimal" : "");
 }
 
@@ -96,11 +89,19 @@ std::string FillText(const Certificate& certificate) {
   if (!solid) return "";
   std::string text =
       absl::StrCat("filled by ", solid->rule,
-                   solid->surface ? ", with the surface, whose centers may lie outside\n" : ", without the surface\n");
+                   certificate.set == "interior" ? ", without the surface\n"
+                                                 : ", with the surface, whose centers may lie outside\n");
   if (solid->unbalanced_lines > 0) {
     absl::StrAppend(&text, "not filled: ", solid->unbalanced_lines, " lattice lines along k that end unbalanced\n");
   }
   return text;
+}
+
+std::string FieldsText(const Certificate& certificate) {
+  if (certificate.fields.empty()) return "";
+  const auto name = [](std::string* out, const FieldCertificate& field) { *out += NameOf(field.field); };
+  return absl::StrCat("each voxel carries ", absl::StrJoin(certificate.fields, ", ", name),
+                      certificate.signed_distance ? "; distances are negative inside\n" : "\n");
 }
 
 std::string VerificationText(const Certificate& certificate) {
@@ -155,8 +156,8 @@ Json SummaryJson(const VoxelizeReport& report) {
                {"digest", summary.certificate.digest},
                {"certificate", CertificateJson(summary.certificate)}};
   if (const auto& shard = summary.certificate.shard) json["shard"] = {{"index", shard->index}, {"count", shard->count}};
-  if (const auto& band = summary.certificate.band) json["band"] = BandJson(*band);
-  if (const auto& carried = summary.certificate.attributes) json["attributes"] = AttributesJson(*carried, report.names);
+  if (const auto& band = summary.certificate.band) json["band"] = {{"width", band->width}};
+  if (!summary.certificate.fields.empty()) json["fields"] = FieldsJson(summary.certificate, report.names);
   json["timings_ms"] = {{"read", report.read_ms},
                         {"encode", report.encode_ms},
                         {"upload", summary.timings.upload_ms},
@@ -215,7 +216,8 @@ std::string ToText(const VoxelizeReport& report) {
                         report.accepted.grid.voxel_size, resolution, SeparationText(certificate),
                         NameOf(report.accepted.placement));
   absl::StrAppend(&text, Count(report.summary.voxels, "voxel"), " in ", Count(report.summary.bricks, "brick"),
-                  ", digest ", certificate.digest, "\n", FillText(certificate), VerificationText(certificate));
+                  ", digest ", certificate.digest, "\n", FillText(certificate), FieldsText(certificate),
+                  VerificationText(certificate));
   const std::string did = report.outputs.empty() ? "done" : absl::StrCat("wrote ", absl::StrJoin(report.outputs, ", "));
   absl::StrAppendFormat(&text, "%s in %.2f s\n", did, report.total_ms / 1e3);
   return text;

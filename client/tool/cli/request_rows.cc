@@ -6,11 +6,10 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
-#include "absl/strings/strip.h"
 #include "client/mesh/mesh_encoder.h"
-#include "client/tool/cli/attributes_option.h"
 #include "client/tool/cli/common_options.h"
 #include "client/tool/cli/request_words.h"
+#include "client/tool/cli/set_options.h"
 #include "client/tool/output/output.h"
 
 namespace latvox::client {
@@ -53,11 +52,6 @@ std::string CheckQuantization(const std::string& text) {
   int64_t bits = 0;
   if (text == "auto" || (ParseNumber(text, bits) && bits >= 0 && bits <= kMaxQuantizationBits)) return "";
   return absl::StrCat("\"", text, "\" is neither auto nor a whole number from 0 to ", kMaxQuantizationBits);
-}
-
-std::string CheckBand(const std::string& text) {
-  if (ParseBand(text)) return "";
-  return absl::StrCat("\"", text, "\" is not a finite number above 0, with or without v for voxel sizes");
 }
 
 OptionRow VoxelOutputRow(VoxelizeWords& words) {
@@ -120,7 +114,7 @@ Rows LatticeRows(VoxelizeWords& words) {
        .help = "Whether N points span the mesh's longest side from end to end, or N cells divide it",
        .words = WordsOf(PlacementNames()),
        .word_help = {"the first point is the low corner", "the first point is half a voxel above it"},
-       .standard = "cells for a solid, otherwise points"},
+       .standard = "cells with an interior, otherwise points"},
       {.names = "--align",
        .target = &words.options.align,
        .help = "Use the lattice and origin of this file's grid",
@@ -131,7 +125,6 @@ Rows SurfaceRows(VoxelizeWords& words) {
   return {{.names = "--separability",
            .target = &words.separability,
            .help = "Strength of separation, 0 strongest; on cartesian 26, 18, 6 are other names of 0, 1, 2",
-           .group = "Voxels",
            .words = {"0", "1", "2", "26", "18", "6"},
            .word_help = {"no path through faces, edges or corners", "no path through faces or edges",
                          "no path through faces", "0", "1", "2"},
@@ -148,50 +141,16 @@ Rows SurfaceRows(VoxelizeWords& words) {
            .standard = "exact"}};
 }
 
-Rows FillRows(VoxelizeWords& words) {
-  return {{.names = "--fill",
-           .target = &words.fill,
-           .help = "Voxels of the surface, or of the closed mesh's interior as well",
-           .words = {"surface", "solid"},
-           .word_help = {"voxels of the mesh itself", "and of its interior"},
-           .standard = "surface"},
-          {.names = "--interior-rule",
-           .target = &words.interior_rule,
-           .help = "Rule for the interior; winding and positive unite bodies that overlap",
-           .words = WordsOf(RuleNames()),
-           .word_help = {"winding if the triangles are oriented alike, else parity",
-                         "inside after an odd number of crossings", "inside where the mesh winds around",
-                         "inside where the mesh winds around, but not inside out"},
-           .standard = "auto; for 3MF, positive, as that format asks"},
-          {.names = "--without-surface",
-           .target = &words.without_surface,
-           .help = "Keep only voxels of a solid whose center is inside"},
-          {.names = "--force-open",
-           .target = &words.force_open,
-           .help = "Fill a mesh that is not closed, except along lattice lines in k that end unbalanced"}};
+Rows VoxelRows(VoxelizeWords& words) {
+  Rows rows = SetRows(words);
+  rows.front().group = "Voxels";
+  return rows;
 }
 
-Rows VoxelRows(VoxelizeWords& words) {
-  return {
-      {.names = "--cover",
-       .target = &words.cover,
-       .help = "Voxels that separate the sides of the mesh, or all voxels whose cell meets it",
-       .words = WordsOf(CoverNames()),
-       .word_help = {"the fewest voxels that let no path through", "all voxels whose cell meets the mesh"},
-       .standard = "separating"},
-      {.names = "--verify",
-       .target = &words.options.request.verify,
-       .help = "Count tunnels and redundant voxels with an independent check"},
-      {.names = "--band",
-       .target = &words.band,
-       .help =
-           "In place of a surface, all voxels within distance W, or within W voxel sizes (Wv), with their distances",
-       .value = "W|Wv",
-       .checks = {{CheckBand}}},
-      {.names = "--signed",
-       .target = &words.is_signed,
-       .help = "Make distances negative inside; the mesh must be closed"},
-      AttributesRow(words)};
+Rows VerifyRows(VoxelizeWords& words) {
+  return {{.names = "--verify",
+           .target = &words.options.request.verify,
+           .help = "Count tunnels and redundant voxels with an independent check"}};
 }
 
 Rows TransferRows(VoxelizeWords& words) {
@@ -260,18 +219,10 @@ const OptionPairs& OneOrTheOther() {
 
 void AddRequestOptions(CommandParser& command, VoxelizeWords& words) {
   for (const auto rows :
-       {OutputRows, LatticeRows, SurfaceRows, FillRows, VoxelRows, TransferRows, PartRows, RequestMeshRows}) {
+       {OutputRows, LatticeRows, VoxelRows, SurfaceRows, VerifyRows, TransferRows, PartRows, RequestMeshRows}) {
     command.Add(rows(words));
   }
   command.Exclude(OneOrTheOther());
-  command.Need({{"--signed", "--band"}});
-}
-
-std::optional<Band> ParseBand(absl::string_view text) {
-  Band band;
-  band.in_voxels = absl::ConsumeSuffix(&text, "v");
-  if (!ParseNumber(text, band.width) || !(band.width > 0)) return std::nullopt;
-  return band;
 }
 
 }  // namespace latvox::client

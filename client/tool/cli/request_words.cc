@@ -28,12 +28,6 @@ const Names<Placement>& PlacementNames() {
   return *kNames;
 }
 
-const Names<Cover>& CoverNames() {
-  static const auto* const kNames =
-      new Names<Cover>{{"separating", Cover::kSeparating}, {"supercover", Cover::kSupercover}};
-  return *kNames;
-}
-
 const Names<UploadForm>& UploadNames() {
   static const auto* const kNames =
       new Names<UploadForm>{{"auto", UploadForm::kAuto}, {"raw", UploadForm::kRaw}, {"draco", UploadForm::kDraco}};

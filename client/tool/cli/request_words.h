@@ -15,7 +15,6 @@ const Names<NamedLattice>& LatticeNames();
 const Names<Algorithm>& AlgorithmNames();
 const Names<InteriorRule>& RuleNames();
 const Names<Placement>& PlacementNames();  // the default depends on the set
-const Names<Cover>& CoverNames();
 const Names<UploadForm>& UploadNames();
 const Names<BrickEncoding>& EncodingNames();
 

@@ -17,8 +17,10 @@
 #include "client/tool/confined/foreign_grid.h"
 #include "client/tool/output/atomic_file.h"
 #include "client/tool/output/cell_index.h"
+#include "client/tool/output/field_columns.h"
 #include "client/tool/output/output.h"
 #include "client/tool/output/pixel_picture.h"
+#include "client/tool/output/voxel_colors.h"
 #include "latvox/for_each_voxel.h"
 #include "latvox/grid/carried_names.h"
 #include "latvox/grid/grid_content.h"
@@ -39,8 +41,8 @@ struct CutAt {
 
 // Returns the voxels of a layer with their values.
 GridContent Cut(const GridContent& content, const CutAt& place) {
-  GridContent layer{{content.file.info, {}}, content.band, {}, content.attributes, {}};
-  const size_t count = content.attributes.size();
+  GridContent layer{{content.file.info, {}}, content.is_band, {}, content.distances};
+  for (const FieldValues& values : content.fields) layer.fields.push_back({values.field, {}});
   size_t voxel = 0;
   for (const Brick& brick : content.file.bricks) {
     Brick cut{brick.brick_ijk, {}};
@@ -49,8 +51,7 @@ GridContent Cut(const GridContent& content, const CutAt& place) {
       const size_t here = voxel++;
       if (ijk[place.axis] != place.index) return;
       any |= cut.mask[WordInBrick(ijk)] |= BitInWord(ijk);
-      if (content.band) layer.distances.push_back(content.distances[here]);
-      for (size_t n = 0; n < count; ++n) layer.numbers.push_back(content.numbers[count * here + n]);
+      for (size_t n = 0; n < content.fields.size(); ++n) AppendVoxel(content.fields[n], here, layer.fields[n]);
     });
     if (any != 0) layer.file.bricks.push_back(cut);
   }
@@ -86,12 +87,13 @@ absl::StatusOr<std::string> Draw(const GridFile& file, const GridContent& cut, c
   const auto [first, second] = Others(place.axis);
   const PlaneBox frame = FrameOf(words.style.crop && !cut.file.bricks.empty() ? cut.file : file, layer);
   std::vector<PictureCell> cells;
+  const FieldValues* const distances = FindField(cut.fields, Field::kDistance);
   for (const Brick& brick : cut.file.bricks) {
     ForEachVoxel(brick, [&, first = first, second = second](const Vec3i& ijk) {
       const size_t n = cells.size();
       PictureCell& cell = cells.emplace_back(PictureCell{{ijk[first], ijk[second]}});
       if (!colors.empty()) cell.color = colors[n];
-      if (cut.band) cell.inside = cut.distances[n] < 0;
+      if (distances != nullptr) cell.inside = distances->As<float>()[n] < 0;
     });
   }
   return DrawCells(layer.grid, cells, frame.low, frame.high, words.size, style);
@@ -99,8 +101,7 @@ absl::StatusOr<std::string> Draw(const GridFile& file, const GridContent& cut, c
 
 absl::StatusOr<std::unique_ptr<Output>> List(const std::string& path, const GridContent& cut) {
   VoxelizeRequest request;
-  request.band = cut.band;
-  request.attributes = cut.attributes;
+  request.fields = TraitsOf(cut).fields;
   auto output = OpenOutput(path, request);
   if (!output.ok()) return output.status();
   (*output)->SetNames(ReadCarriedNames(cut.file.info));
@@ -113,10 +114,10 @@ absl::StatusOr<std::unique_ptr<Output>> List(const std::string& path, const Grid
 }
 
 // Returns the meaning of the colors.
-std::string ColorsText(ColorBy by, const std::optional<Band>& band) {
-  if (by != ColorBy::kDistance || !band) return ColoredText(by);
-  const std::string width = absl::StrFormat("%g", band->width);
-  return ColoredText(by) + (band->is_signed
+std::string ColorsText(ColorBy by, const std::optional<DistanceRange>& range) {
+  if (by != ColorBy::kDistance || !range) return ColoredText(by);
+  const std::string width = absl::StrFormat("%g", range->most);
+  return ColoredText(by) + (range->is_signed
                                 ? absl::StrCat(", from -", width, " (blue, inside) to ", width, " (red), a line at 0")
                                 : absl::StrCat(", from 0 (violet) to ", width, " (yellow)"));
 }
@@ -214,8 +215,8 @@ absl::StatusOr<std::string> RunSlice(const SliceWords& words, const Cancellation
   uint64_t voxels = 0;
   for (const Brick& brick : cut.file.bricks) ForEachVoxel(brick, [&](const Vec3i&) { ++voxels; });
   return absl::StrCat(words.input, ": ", voxels, " voxels in layer ", words.axis, " = ", place->index,
-                      pictures.empty() ? "" : ColorsText(by, cut.band), "\nwrote ", absl::StrJoin(words.outputs, ", "),
-                      "\n");
+                      pictures.empty() ? "" : ColorsText(by, cut.distances), "\nwrote ",
+                      absl::StrJoin(words.outputs, ", "), "\n");
 }
 
 }  // namespace latvox::client

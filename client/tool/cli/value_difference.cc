@@ -1,11 +1,12 @@
 #include "client/tool/cli/value_difference.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
+#include <cstring>
 
 #include "client/tool/cli/brick_pairs.h"
 #include "client/tool/output/cell_index.h"
+#include "client/tool/output/field_columns.h"
 #include "latvox/for_each_voxel.h"
 
 namespace latvox::client {
@@ -31,39 +32,47 @@ void ForEachCommonVoxel(const std::vector<Brick>& a, const std::vector<Brick>& b
 
 }  // namespace
 
-bool ValueDifference::equal() const {
-  const auto same = [](const auto& attribute) { return attribute.second == 0; };
-  return (!distances || distances->differ == 0) && std::all_of(attributes.begin(), attributes.end(), same);
+bool CommonField::Differs(size_t m, size_t n) const {
+  return std::memcmp(BytesAt(*a, m), BytesAt(*b, n), FactsOf(a->field).bytes()) != 0;
 }
 
-AttributePlaces CommonAttributes(const GridContent& a, const GridContent& b) {
-  AttributePlaces places;
-  for (size_t m = 0; m < a.attributes.size(); ++m) {
-    const auto there = std::find(b.attributes.begin(), b.attributes.end(), a.attributes[m]);
-    if (there != b.attributes.end()) places.emplace_back(m, static_cast<size_t>(there - b.attributes.begin()));
+bool ValueDifference::equal() const {
+  const auto same = [](const auto& field) { return field.second == 0; };
+  return (!distances || distances->differ == 0) && std::all_of(others.begin(), others.end(), same);
+}
+
+std::vector<CommonField> CommonFields(const GridContent& a, const GridContent& b) {
+  std::vector<CommonField> fields;
+  for (const FieldValues& of_a : a.fields) {
+    if (const FieldValues* of_b = FindField(b.fields, of_a.field)) fields.push_back({&of_a, of_b});
   }
-  return places;
+  return fields;
 }
 
 ValueDifference CompareValues(const GridContent& a, const GridContent& b) {
   ValueDifference found;
-  if (a.band && b.band) found.distances.emplace();
-  const AttributePlaces places = CommonAttributes(a, b);
-  for (const auto& place : places) found.attributes.emplace_back(a.attributes[place.first], 0);
+  const std::vector<CommonField> fields = CommonFields(a, b);
+  std::vector<uint64_t> differ(fields.size(), 0);
+  DistanceDifference distances;
   ForEachCommonVoxel(a.file.bricks, b.file.bricks, [&](const Vec3i& ijk, size_t m, size_t n) {
-    if (found.distances && a.distances[m] != b.distances[n]) {
-      const double difference = std::abs(double{a.distances[m]} - double{b.distances[n]});
-      ++found.distances->differ;
-      if (difference > found.distances->greatest) {
-        found.distances->greatest = difference;
-        found.distances->at = ijk;
-      }
-    }
-    for (size_t p = 0; p < places.size(); ++p) {
-      const uint32_t of_a = a.numbers[a.attributes.size() * m + places[p].first];
-      found.attributes[p].second += of_a != b.numbers[b.attributes.size() * n + places[p].second];
+    for (size_t f = 0; f < fields.size(); ++f) {
+      if (!fields[f].Differs(m, n)) continue;
+      ++differ[f];
+      if (fields[f].a->field != Field::kDistance) continue;
+      const double of_a = fields[f].a->As<float>()[m], difference = std::abs(of_a - fields[f].b->As<float>()[n]);
+      if (difference <= distances.greatest) continue;
+      distances.greatest = difference;
+      distances.at = ijk;
     }
   });
+  for (size_t f = 0; f < fields.size(); ++f) {
+    if (fields[f].a->field == Field::kDistance) {
+      distances.differ = differ[f];
+      found.distances = distances;
+    } else {
+      found.others.emplace_back(fields[f].a->field, differ[f]);
+    }
+  }
   return found;
 }
 

@@ -12,11 +12,15 @@
 
 namespace latvox::client {
 
-// Indices of each attribute in a and in b.
-using AttributePlaces = std::vector<std::pair<size_t, size_t>>;
+// A field that voxels of both files carry.
+struct CommonField {
+  const FieldValues *a, *b;
 
-// Returns the attributes that both have.
-AttributePlaces CommonAttributes(const GridContent& a, const GridContent& b);
+  // Returns whether the m-th voxel of a and the n-th of b carry different values.
+  bool Differs(size_t m, size_t n) const;
+};
+
+std::vector<CommonField> CommonFields(const GridContent& a, const GridContent& b);
 
 struct DistanceDifference {
   uint64_t differ = 0;      // number of voxels
@@ -26,9 +30,9 @@ struct DistanceDifference {
 
 // Compares the voxels that both files have.
 struct ValueDifference {
-  std::optional<DistanceDifference> distances;  // if both are bands
-  // Attributes of both files, with the number of voxels that differ.
-  std::vector<std::pair<Attribute, uint64_t>> attributes;
+  std::optional<DistanceDifference> distances;  // if both carry them
+  // Other fields of both files, with the number of voxels that differ.
+  std::vector<std::pair<Field, uint64_t>> others;
 
   bool equal() const;
 };

@@ -9,10 +9,10 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "client/mesh_files/input.h"
-#include "client/tool/cli/attributes_option.h"
 #include "client/tool/cli/common_options.h"
 #include "client/tool/cli/request_rows.h"
 #include "client/tool/cli/request_words.h"
+#include "client/tool/cli/set_options.h"
 #include "client/tool/output/box_output.h"
 #include "client/tool/output/output.h"
 #include "client/tool/view/page.h"
@@ -79,27 +79,6 @@ MeshNote NoteOf(const VoxelizeOptions& options, const VoxelizeWords& words) {
   return note;
 }
 
-// Without a word, the rule is that of the mesh's format. A mesh without an extension has its format only by that word.
-InteriorRule RuleOf(const VoxelizeWords& words) {
-  if (!words.interior_rule.empty()) return ValueNamed(RuleNames(), words.interior_rule);
-  const auto is_3mf = [&words](const std::string& path) {
-    return words.input_format.empty() ? HasExtension(path, {".3mf"}) : words.input_format == "3mf";
-  };
-  const std::vector<std::string>& paths = words.options.mesh.paths;
-  const bool all = !paths.empty() && std::all_of(paths.begin(), paths.end(), is_3mf);
-  return all ? InteriorRule::kPositive : InteriorRule::kAuto;
-}
-
-std::optional<Solid> InterpretSolid(const VoxelizeWords& words) {
-  if (words.fill == "solid") {
-    return Solid{RuleOf(words), !words.without_surface, words.force_open};
-  }
-  if (!words.interior_rule.empty()) Refuse("--interior-rule: needs --fill solid");
-  if (words.without_surface) Refuse("--without-surface: needs --fill solid");
-  if (words.force_open) Refuse("--force-open: needs --fill solid");
-  return std::nullopt;
-}
-
 void InterpretPart(const VoxelizeWords& words, VoxelizeRequest& request) {
   if (!words.region.empty()) {
     std::array<int32_t, 6> n{};
@@ -120,14 +99,6 @@ void InterpretNpy(const VoxelizeWords& words, VoxelizeOptions& options) {
     Refuse("--npy: ", words.npy, " requires a .npy output, and --out names none");
   }
   options.output_options.dense_npy = words.npy == "dense";
-}
-
-void InterpretBand(const VoxelizeWords& words, VoxelizeOptions& options) {
-  if (words.band.empty()) return;
-  options.request.band = ParseBand(words.band);
-  options.request.band->is_signed = words.is_signed;
-  if (!words.npy.empty()) Refuse("--npy: ", words.npy, " cannot be combined with --band");
-  CheckCarry("--band", "distances", DistanceExtensions(), options.outputs);
 }
 
 std::vector<std::string> OutputFormats() {
@@ -201,10 +172,9 @@ VoxelizeOptions InterpretRequest(const VoxelizeWords& words) {
   VoxelizeRequest& request = options.request;
   request.lattice = InterpretLattice(words);
   request.algorithm = ValueNamed(AlgorithmNames(), words.algorithm);
-  request.cover = ValueNamed(CoverNames(), words.cover);
   request.minimal = words.minimal;
   request.encoding = ValueNamed(EncodingNames(), words.encoding);
-  request.solid = InterpretSolid(words);
+  request.set = InterpretSet(words);
   request.separability = InterpretSeparability(words, request.lattice);
   InterpretVoxelSize(words, request);
   CheckCubes(options);
@@ -216,9 +186,8 @@ VoxelizeOptions InterpretRequest(const VoxelizeWords& words) {
   InterpretMesh(words, options.mesh);
   options.strict = words.strict;
   if (!words.up_axis.empty()) options.output_options.picture_up = UpAxis::kZ;
-  InterpretBand(words, options);
-  InterpretAttributes(words, options);
   InterpretUpload(words, options);
+  InterpretFields(words, options);
   options.output_options.note = NoteOf(options, words);
   options.output_options.make_page = ViewPage;
   if (words.basis.empty() && options.align.empty() && words.voxel_size.empty() && !request.resolution) {

@@ -39,9 +39,8 @@ struct VoxelizeOptions {
 struct VoxelizeWords : MeshWords {
   VoxelizeOptions options;  // partly filled by parsing
   std::string lattice, basis, voxel_size, resolution, origin, region, bounds, shard, quantization = "auto";
-  std::string output_format, npy, separability, algorithm, upload, encoding, fill, interior_rule, placement, cover,
-      band, attributes;
-  bool without_surface = false, force_open = false, is_signed = false;
+  std::string output_format, npy, separability, algorithm, upload, encoding, set, rule, placement, band, fields;
+  bool force_open = false, is_signed = false;
   std::optional<bool> minimal;
 };
 

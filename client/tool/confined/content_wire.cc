@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <span>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -145,21 +147,26 @@ bool IsBoxOf(const std::vector<Brick>& bricks, const IndexBox& box) {
   return true;
 }
 
+bool AreValues(const FieldValues& values, uint64_t voxels) {
+  const FieldFacts& facts = FactsOf(values.field);
+  if (values.bytes.size() / facts.bytes() != voxels || values.bytes.size() % facts.bytes() != 0) return false;
+  const auto is_finite = [](float x) { return std::isfinite(x); };
+  const std::span<const float> floats = values.As<float>();
+  return facts.type != NumberType::kFloat32 || std::all_of(floats.begin(), floats.end(), is_finite);
+}
+
 bool IsContent(const GridContent& content) {
   const GridFileInfo& info = content.file.info;
   if (CountVoxels(content.file.bricks) != info.active_voxels) return false;
   if (!AreFinite(info.transform) || info.active_box.has_value() != (info.active_voxels > 0)) return false;
   if (info.active_box && !IsBoxOf(content.file.bricks, *info.active_box)) return false;
-  if (content.band && !std::isfinite(content.band->width)) return false;
-  const auto is_finite = [](float x) { return std::isfinite(x); };
-  const size_t distances = content.distances.size();
-  if (!std::all_of(content.distances.begin(), content.distances.end(), is_finite)) return false;
-  if (distances != 0 && (!content.band || distances != info.active_voxels)) return false;
-  const auto is_attribute = [](Attribute attribute) {
-    return attribute == Attribute::kPart || attribute == Attribute::kMaterial || attribute == Attribute::kColor;
-  };
-  if (!std::all_of(content.attributes.begin(), content.attributes.end(), is_attribute)) return false;
-  return content.attributes.size() <= 3 && content.numbers.size() == info.active_voxels * content.attributes.size();
+  const bool has_distances = FindField(content.fields, Field::kDistance) != nullptr;
+  if (content.distances.has_value() != has_distances) return false;
+  if (content.distances && !std::isfinite(content.distances->most)) return false;
+  const auto are_values = [&](const FieldValues& values) { return AreValues(values, info.active_voxels); };
+  if (!std::all_of(content.fields.begin(), content.fields.end(), are_values)) return false;
+  const auto not_before = [](const FieldValues& a, const FieldValues& b) { return a.field >= b.field; };
+  return std::adjacent_find(content.fields.begin(), content.fields.end(), not_before) == content.fields.end();
 }
 
 // Both kinds are about the input, whatever the sender says.
@@ -181,26 +188,32 @@ void SendContent(const absl::StatusOr<GridContent>& content, const SendBytes& se
   }
   sender.Put(content->file.info);
   sender.PutAll(content->file.bricks);
-  sender.Put(content->band.has_value());
-  sender.Put(content->band.value_or(Band{}).width);
-  sender.Put(content->band.value_or(Band{}).is_signed);
-  sender.PutAll(content->distances);
-  sender.PutAll(content->attributes);
-  sender.PutAll(content->numbers);
+  sender.Put(content->is_band);
+  sender.Put(content->distances.has_value());
+  sender.Put(content->distances.value_or(DistanceRange{}).most);
+  sender.Put(content->distances.value_or(DistanceRange{}).is_signed);
+  sender.Put(uint64_t{content->fields.size()});
+  for (const FieldValues& values : content->fields) {
+    sender.Put(values.field);
+    sender.PutAll(values.bytes);
+  }
 }
 
 absl::StatusOr<GridContent> ReceiveContent(bool facts_alone, const ReceiveBytes& receive) {
   Receiver receiver(receive);
   if (!receiver.GetBool()) return GetError(receiver);
-  GridContent content{{receiver.GetInfo(), receiver.GetAll<std::vector<Brick>>()}};
-  const bool has_band = receiver.GetBool();
-  Band band;
-  band.width = receiver.Get<double>();
-  band.is_signed = receiver.GetBool();
-  if (has_band) content.band = band;
-  content.distances = receiver.GetAll<std::vector<float>>();
-  content.attributes = receiver.GetAll<std::vector<Attribute>>();
-  content.numbers = receiver.GetAll<std::vector<uint32_t>>();
+  GridContent content{.file = {receiver.GetInfo(), receiver.GetAll<std::vector<Brick>>()},
+                      .is_band = receiver.GetBool()};
+  const bool has_distances = receiver.GetBool();
+  DistanceRange range;
+  range.most = receiver.Get<double>();
+  range.is_signed = receiver.GetBool();
+  if (has_distances) content.distances = range;
+  for (auto left = receiver.Get<uint64_t>(); receiver.status().ok() && left > 0; --left) {
+    const auto field = receiver.Get<Field>();
+    receiver.Require(static_cast<size_t>(field) < kFields.size());
+    content.fields.push_back({field, receiver.GetAll<std::vector<std::byte>>()});
+  }
   if (!receiver.status().ok()) return receiver.status();
   if (!facts_alone && !IsContent(content)) return Nonsense();
   return content;

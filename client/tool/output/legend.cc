@@ -7,6 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/string_view.h"
+#include "client/tool/output/field_columns.h"
 #include "latvox/grid/carried_names.h"
 
 namespace latvox::client {
@@ -15,14 +16,14 @@ namespace {
 constexpr int kRampSteps = 32;
 
 // Labels the ends and the middle.
-Legend LegendOfBand(const Band& band) {
+Legend LegendOfDistances(const DistanceRange& range) {
   Legend legend{.is_ramp = true};
   for (int n = 0; n <= kRampSteps; ++n) {
     const double share = static_cast<double>(n) / kRampSteps,
-                 distance = band.width * (band.is_signed ? 2 * share - 1 : share);
+                 distance = range.most * (range.is_signed ? 2 * share - 1 : share);
     const bool named = n % (kRampSteps / 2) == 0;
     legend.entries.push_back(
-        {DistanceColor(static_cast<float>(distance), band), named ? absl::StrFormat("%.4g", distance) : ""});
+        {DistanceColor(static_cast<float>(distance), range), named ? absl::StrFormat("%.4g", distance) : ""});
   }
   return legend;
 }
@@ -36,13 +37,14 @@ std::string NameOfNumber(ColorBy by, uint32_t number, const std::string& name) {
 }  // namespace
 
 Legend LegendOf(const GridContent& content, ColorBy by, size_t most) {
-  if (by == ColorBy::kDistance && content.band) return LegendOfBand(*content.band);
+  if (by == ColorBy::kDistance && content.distances) return LegendOfDistances(*content.distances);
   Legend legend;
   const CarriedNames names = ReadCarriedNames(content.file.info);
-  for (size_t which = 0; which < content.attributes.size(); ++which) {
-    if (absl::string_view(NameOf(content.attributes[which])) != NameOf(by)) continue;
+  for (const FieldValues& values : content.fields) {
+    if (absl::string_view(NameOf(values.field)) != NameOf(by)) continue;
     std::map<uint32_t, uint64_t> counts;
-    for (size_t n = which; n < content.numbers.size(); n += content.attributes.size()) ++counts[content.numbers[n]];
+    const size_t all = values.bytes.size() / FactsOf(values.field).bytes();
+    for (size_t n = 0; n < all; ++n) ++counts[NumberAt(values, n)];
     std::vector<std::pair<uint32_t, uint64_t>> rows(counts.begin(), counts.end());
     const auto is_more = [](const auto& a, const auto& b) { return a.second > b.second; };
     if (by == ColorBy::kColor) std::stable_sort(rows.begin(), rows.end(), is_more);
@@ -52,8 +54,8 @@ Legend LegendOf(const GridContent& content, ColorBy by, size_t most) {
         break;
       }
       legend.entries.push_back({by == ColorBy::kColor ? number : PaletteColor(number),
-                                absl::StrCat(NameOfNumber(by, number, names.Of(content.attributes[which], number)),
-                                             ": ", voxels, voxels == 1 ? " voxel" : " voxels")});
+                                absl::StrCat(NameOfNumber(by, number, names.Of(values.field, number)), ": ", voxels,
+                                             voxels == 1 ? " voxel" : " voxels")});
     }
   }
   return legend;

@@ -8,6 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "client/tool/output/dense_box.h"
+#include "client/tool/output/field_columns.h"
 #include "client/tool/output/npy_header.h"
 #include "client/tool/output/zip_writer.h"
 
@@ -27,15 +28,16 @@ ZipMember Small(const std::string& name, std::string bytes) {
 }
 
 // One array over all lattice points of a box.
-struct Field {
+struct DenseArray {
   std::string name, type;  // type: as in NpyHeader
+  size_t components;       // of an element
   std::string empty;       // bytes of an element that is not a voxel
   std::function<void(uint64_t n, char* element)> put;
 };
 
-ZipMember Dense(const Field& field, DenseBox& box) {
+ZipMember Dense(const DenseArray& field, DenseBox& box) {
   std::vector<uint64_t> shape(box.shape().begin(), box.shape().end());
-  if (field.empty.size() == 3) shape.push_back(3);  // a color
+  if (field.components > 1) shape.push_back(field.components);
   const std::string header = NpyHeader(field.type, shape);
   const uint64_t bytes = header.size() + box.shape()[0] * box.shape()[1] * box.shape()[2] * field.empty.size();
   const auto head = std::make_shared<std::string>(header);
@@ -45,29 +47,38 @@ ZipMember Dense(const Field& field, DenseBox& box) {
           }};
 }
 
+// Returns the bytes of a component where there is no voxel: NaN, -1, or 0 for colors.
+std::string EmptyOf(NumberType type) {
+  if (type == NumberType::kFloat32) return BytesOf(std::numeric_limits<float>::quiet_NaN());
+  return type == NumberType::kUint32 ? BytesOf(int32_t{-1}) : BytesOf(uint8_t{0});
+}
+
 class NpzOutput final : public Output {
  public:
-  NpzOutput(std::unique_ptr<AtomicFile> file, bool band, const std::vector<Attribute>& attributes)
-      : file_(std::move(file)), band_(band), attributes_(attributes) {}
+  NpzOutput(std::unique_ptr<AtomicFile> file, const std::vector<Field>& fields) : file_(std::move(file)) {
+    for (const Field field : fields) fields_.push_back({field, {}});
+  }
 
   absl::Status Begin(const Accepted& accepted) override {
     grid_ = accepted.grid;
     uint64_t element = 1;
-    for (const Field& field : Fields()) element = std::max<uint64_t>(element, field.empty.size());
+    for (const DenseArray& array : Arrays()) element = std::max<uint64_t>(element, array.empty.size());
     return box_.SetBox(accepted.index_box, element, file_->target());
   }
 
   absl::Status Add(const BrickBatch& batch) override {
     box_.Add(batch);
-    distances_.insert(distances_.end(), batch.values.begin(), batch.values.end());
-    numbers_.insert(numbers_.end(), batch.attributes.begin(), batch.attributes.end());
+    for (size_t n = 0; n < fields_.size(); ++n) {
+      const std::vector<std::byte>& more = batch.fields[n].bytes;
+      fields_[n].bytes.insert(fields_[n].bytes.end(), more.begin(), more.end());
+    }
     return absl::OkStatus();
   }
 
   absl::Status Finish(const Summary&) override {
     box_.Sort();
     std::vector<ZipMember> members;
-    for (const Field& field : Fields()) members.push_back(Dense(field, box_));
+    for (const DenseArray& array : Arrays()) members.push_back(Dense(array, box_));
     AddPlace(members);
     if (auto status = WriteZip(members, *file_); !status.ok()) return status;
     return file_->Sync();
@@ -76,27 +87,18 @@ class NpzOutput final : public Output {
   absl::Status Commit() override { return file_->Commit(); }
 
  private:
-  std::vector<Field> Fields() const {
-    const float nan = std::numeric_limits<float>::quiet_NaN();
-    if (band_) {
-      return {{"data", "'<f4'", BytesOf(nan), [this](uint64_t n, char* to) { std::memcpy(to, &distances_[n], 4); }}};
+  std::vector<DenseArray> Arrays() const {
+    std::vector<DenseArray> arrays = {
+        {"data", "'|u1'", 1, std::string(1, '\0'), [](uint64_t, char* element) { *element = 1; }}};
+    for (const FieldValues& values : fields_) {
+      const FieldFacts& facts = FactsOf(values.field);
+      std::string empty;
+      for (size_t n = 0; n < facts.components; ++n) empty += EmptyOf(facts.type);
+      arrays.push_back(
+          {facts.name, absl::StrCat("'", NumpyTypeOf(facts.field), "'"), facts.components, empty,
+           [&values, bytes = facts.bytes()](uint64_t n, char* to) { std::memcpy(to, BytesAt(values, n), bytes); }});
     }
-    std::vector<Field> fields = {
-        {"data", "'|u1'", std::string(1, '\0'), [](uint64_t, char* element) { *element = 1; }}};
-    for (size_t m = 0; m < attributes_.size(); ++m) {
-      const auto number = [this, m](uint64_t n) { return numbers_[n * attributes_.size() + m]; };
-      if (attributes_[m] == Attribute::kColor) {
-        fields.push_back({"color", "'|u1'", std::string(3, '\0'), [number](uint64_t n, char* to) {
-                            for (int shift = 16; shift >= 0; shift -= 8) *to++ = static_cast<char>(number(n) >> shift);
-                          }});
-      } else {
-        fields.push_back({NameOf(attributes_[m]), "'<i4'", BytesOf(int32_t{-1}), [number](uint64_t n, char* to) {
-                            const uint32_t value = number(n);
-                            std::memcpy(to, &value, sizeof(value));
-                          }});
-      }
-    }
-    return fields;
+    return arrays;
   }
 
   // Adds the arrays that say where the elements are.
@@ -115,19 +117,15 @@ class NpzOutput final : public Output {
   }
 
   std::unique_ptr<AtomicFile> file_;
-  const bool band_;
-  const std::vector<Attribute> attributes_;
   GridTransform grid_;
   DenseBox box_;
-  std::vector<float> distances_;   // in the order of Add
-  std::vector<uint32_t> numbers_;  // likewise, one for each attribute
+  std::vector<FieldValues> fields_;  // in the order of Add
 };
 
 }  // namespace
 
-std::unique_ptr<Output> NewNpzOutput(std::unique_ptr<AtomicFile> file, bool band,
-                                     const std::vector<Attribute>& attributes) {
-  return std::make_unique<NpzOutput>(std::move(file), band, attributes);
+std::unique_ptr<Output> NewNpzOutput(std::unique_ptr<AtomicFile> file, const std::vector<Field>& fields) {
+  return std::make_unique<NpzOutput>(std::move(file), fields);
 }
 
 }  // namespace latvox::client

@@ -22,8 +22,7 @@ namespace latvox::client {
 //   origin      float64 (3): world position of lattice point (0, 0, 0)
 // Memory: 88 bytes for each brick, and 4 for each value. Errors: RESOURCE_EXHAUSTED for an array of more than 2^32
 // bytes, before the first voxel.
-std::unique_ptr<Output> NewNpzOutput(std::unique_ptr<AtomicFile> file, bool band,
-                                     const std::vector<Attribute>& attributes);
+std::unique_ptr<Output> NewNpzOutput(std::unique_ptr<AtomicFile> file, const std::vector<Field>& fields);
 
 }  // namespace latvox::client
 

@@ -6,6 +6,8 @@
 #include <optional>
 #include <type_traits>
 #include <utility>
+#include <variant>
+#include <vector>
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
@@ -19,14 +21,14 @@
 #include "client/tool/output/surface_output.h"
 #include "client/tool/output/table_output.h"
 #include "latvox/error.h"
-#include "latvox/grid/attribute_grids.h"
 #include "latvox/grid/distance_grid.h"
+#include "latvox/grid/field_grids.h"
 #include "latvox/grid/voxel_grid.h"
 
 namespace latvox::client {
 namespace {
 
-// Grid is VoxelGrid, DistanceGrid or AttributeGrids.
+// Grid is VoxelGrid, DistanceGrid or FieldGrids.
 template <class Grid>
 class GridOutput final : public Output {
  public:
@@ -53,7 +55,7 @@ class GridOutput final : public Output {
     if (!note_.quantization) note_.quantization = static_cast<int>(summary.certificate.quantization_bits);
     grid_->SetRequest(request_, note_);
     grid_->SetCertificate(summary.certificate);
-    if constexpr (std::is_same_v<Grid, AttributeGrids>) grid_->SetNames(names_);
+    if constexpr (std::is_same_v<Grid, FieldGrids>) grid_->SetNames(names_);
     grid_->SetWarnings(summary.warnings);
     if (auto status = write_(*grid_, file_->temporary()); !status.ok()) return file_->Named(status);
     return file_->Sync();
@@ -79,36 +81,38 @@ class GridOutput final : public Output {
 
 VoxelGrid NewVoxelGrid(const GridTransform& grid) { return VoxelGrid(grid); }
 
-std::unique_ptr<Output> NewVdbOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request,
-                                     const OutputOptions& options) {
-  return std::make_unique<GridOutput<VoxelGrid>>(std::move(file), request, options.note, NewVoxelGrid,
-                                                 &VoxelGrid::Write);
-}
-
 std::unique_ptr<Output> NewNvdbOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request,
                                       const OutputOptions& options) {
   return std::make_unique<GridOutput<VoxelGrid>>(std::move(file), request, options.note, NewVoxelGrid,
                                                  &VoxelGrid::WriteNano);
 }
 
+// A band with distances alone is a level set, as far as it is one.
 std::unique_ptr<Output> NewDistanceVdbOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request,
                                              const OutputOptions& options) {
   const bool whole = !request.region && !request.bounds && !request.shard;
-  const auto new_grid = [band = *request.band, whole](const GridTransform& grid) {
+  const auto new_grid = [band = std::get<Band>(request.set), is_signed = request.signed_distance,
+                         whole](const GridTransform& grid) {
     const double width = band.in_voxels ? band.width * grid.voxel_size : band.width;
-    return DistanceGrid(grid, width, band.is_signed, whole);
+    return DistanceGrid(grid, width, is_signed, whole);
   };
   return std::make_unique<GridOutput<DistanceGrid>>(std::move(file), request, options.note, new_grid,
                                                     &DistanceGrid::Write);
 }
 
-std::unique_ptr<Output> NewAttributeVdbOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request,
-                                              const OutputOptions& options) {
-  const auto new_grids = [attributes = request.attributes](const GridTransform& grid) {
-    return AttributeGrids(grid, attributes);
-  };
-  return std::make_unique<GridOutput<AttributeGrids>>(std::move(file), request, options.note, new_grids,
-                                                      &AttributeGrids::Write);
+std::unique_ptr<Output> NewVdbOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request,
+                                     const OutputOptions& options) {
+  const std::vector<Field>& fields = request.fields;
+  if (fields.empty()) {
+    return std::make_unique<GridOutput<VoxelGrid>>(std::move(file), request, options.note, NewVoxelGrid,
+                                                   &VoxelGrid::Write);
+  }
+  if (std::holds_alternative<Band>(request.set) && fields == std::vector<Field>{Field::kDistance}) {
+    return NewDistanceVdbOutput(std::move(file), request, options);
+  }
+  const auto new_grids = [fields](const GridTransform& grid) { return FieldGrids(grid, fields); };
+  return std::make_unique<GridOutput<FieldGrids>>(std::move(file), request, options.note, new_grids,
+                                                  &FieldGrids::Write);
 }
 
 std::unique_ptr<Output> NewPngOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request,
@@ -119,14 +123,13 @@ std::unique_ptr<Output> NewPngOutput(std::unique_ptr<AtomicFile> file, const Vox
 template <const char* extension>
 std::unique_ptr<Output> NewTable(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request,
                                  const OutputOptions&) {
-  return NewTableOutput(extension, std::move(file), {request.band.has_value(), request.attributes});
+  return NewTableOutput(extension, std::move(file), request.fields);
 }
 
-template <std::unique_ptr<Output> (*new_vdb)(std::unique_ptr<AtomicFile>, const VoxelizeRequest&, const OutputOptions&)>
 std::unique_ptr<Output> NewHtmlOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request,
                                       const OutputOptions& options) {
   const auto open = [request, options](std::unique_ptr<AtomicFile> vdb) {
-    return new_vdb(std::move(vdb), request, options);
+    return NewVdbOutput(std::move(vdb), request, options);
   };
   return NewPageOutput(std::move(file), options, open);
 }
@@ -137,56 +140,49 @@ std::unique_ptr<Output> NewPlainOutput(std::unique_ptr<AtomicFile> file, const V
   return new_output(std::move(file));
 }
 
-std::unique_ptr<Output> NewCoordinatesOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest&,
-                                             const OutputOptions& options) {
-  return options.dense_npy ? NewDenseNpyOutput(std::move(file)) : NewTableOutput(".npy", std::move(file), {});
+std::unique_ptr<Output> NewNpyOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request,
+                                     const OutputOptions& options) {
+  return options.dense_npy ? NewDenseNpyOutput(std::move(file))
+                           : NewTableOutput(".npy", std::move(file), request.fields);
 }
 
 std::unique_ptr<Output> NewArchiveOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request,
                                          const OutputOptions&) {
-  return NewNpzOutput(std::move(file), request.band.has_value(), request.attributes);
+  return NewNpzOutput(std::move(file), request.fields);
 }
 
 using NewOutput = std::unique_ptr<Output> (*)(std::unique_ptr<AtomicFile>, const VoxelizeRequest&,
                                               const OutputOptions&);
 
-// Functions that open a file of a format. Null: the format cannot hold these values.
+// The fields that a format holds or shows.
+enum class Holds { kNone, kColor, kAll };
+
 struct Format {
   const char* extension;
-  NewOutput of_voxels, of_band, of_attributes;
-  bool color_alone = false;  // it holds no attributes except color
-  bool is_placed = true;     // it tells where in the world the voxels are
+  NewOutput open;
+  Holds holds;
+  bool is_placed = true;  // it tells where in the world the voxels are
 };
 
 constexpr char kCsv[] = ".csv", kNpy[] = ".npy", kPly[] = ".ply";
 
 constexpr Format kFormats[] = {
-    {".vdb", NewVdbOutput, NewDistanceVdbOutput, NewAttributeVdbOutput},
-    {".nvdb", NewNvdbOutput, nullptr, nullptr},
-    {kCsv, NewTable<kCsv>, NewTable<kCsv>, NewTable<kCsv>},
-    {kNpy, NewCoordinatesOutput, NewTable<kNpy>, NewTable<kNpy>, false, /*is_placed=*/false},
-    {".npz", NewArchiveOutput, NewArchiveOutput, NewArchiveOutput},
-    {kPly, NewTable<kPly>, NewTable<kPly>, NewTable<kPly>},
-    {".png", NewPngOutput, NewPngOutput, NewPngOutput, false, /*is_placed=*/false},
-    {".html", NewHtmlOutput<NewVdbOutput>, NewHtmlOutput<NewDistanceVdbOutput>, NewHtmlOutput<NewAttributeVdbOutput>},
-    {".glb", NewPlainOutput<NewGlbOutput>, nullptr, NewPlainOutput<NewGlbOutput>, /*color_alone=*/true},
-    {".binvox", NewPlainOutput<NewBinvoxOutput>, nullptr, nullptr},
-    {".vox", NewPlainOutput<NewVoxOutput>, nullptr, nullptr, false, /*is_placed=*/false},
+    {".vdb", NewVdbOutput, Holds::kAll},
+    {".nvdb", NewNvdbOutput, Holds::kNone},
+    {kCsv, NewTable<kCsv>, Holds::kAll},
+    {kNpy, NewNpyOutput, Holds::kAll, /*is_placed=*/false},
+    {".npz", NewArchiveOutput, Holds::kAll},
+    {kPly, NewTable<kPly>, Holds::kAll},
+    {".png", NewPngOutput, Holds::kAll, /*is_placed=*/false},
+    {".html", NewHtmlOutput, Holds::kAll},
+    {".glb", NewPlainOutput<NewGlbOutput>, Holds::kColor},
+    {".binvox", NewPlainOutput<NewBinvoxOutput>, Holds::kNone},
+    {".vox", NewPlainOutput<NewVoxOutput>, Holds::kNone, /*is_placed=*/false},
 };
 
-NewOutput OutputOf(const Format& format, bool band, const std::vector<Attribute>& attributes) {
-  if (band) return format.of_band;
-  if (attributes.empty()) return format.of_voxels;
-  const bool fits = !format.color_alone || attributes == std::vector<Attribute>{Attribute::kColor};
-  return fits ? format.of_attributes : nullptr;
-}
-
-std::vector<std::string> ExtensionsFor(bool band, const std::vector<Attribute>& attributes) {
-  std::vector<std::string> extensions;
-  for (const Format& format : kFormats) {
-    if (OutputOf(format, band, attributes) != nullptr) extensions.push_back(format.extension);
-  }
-  return extensions;
+bool CanHold(const Format& format, const std::vector<Field>& fields) {
+  if (fields.empty() || format.holds == Holds::kAll) return true;
+  return format.holds == Holds::kColor && fields == std::vector<Field>{Field::kColor};
 }
 
 std::string ExtensionOf(const std::string& path) {
@@ -200,10 +196,12 @@ absl::Status WrongExtension(const std::string& path, const std::vector<std::stri
 
 }  // namespace
 
-std::vector<std::string> DistanceExtensions() { return ExtensionsFor(/*band=*/true, {}); }
-
-std::vector<std::string> AttributeExtensions(const std::vector<Attribute>& attributes) {
-  return ExtensionsFor(/*band=*/false, attributes);
+std::vector<std::string> ExtensionsFor(const std::vector<Field>& fields) {
+  std::vector<std::string> extensions;
+  for (const Format& format : kFormats) {
+    if (CanHold(format, fields)) extensions.push_back(format.extension);
+  }
+  return extensions;
 }
 
 bool HasExtension(const std::string& path, const std::vector<std::string>& extensions) {
@@ -211,7 +209,7 @@ bool HasExtension(const std::string& path, const std::vector<std::string>& exten
 }
 
 const std::vector<std::string>& OutputExtensions() {
-  static const auto* const kExtensions = new std::vector<std::string>(ExtensionsFor(/*band=*/false, {}));
+  static const auto* const kExtensions = new std::vector<std::string>(ExtensionsFor({}));
   return *kExtensions;
 }
 
@@ -230,16 +228,14 @@ std::optional<Warning> WarningOfPlace(const std::vector<std::string>& paths) {
 
 absl::StatusOr<std::unique_ptr<Output>> OpenOutput(const std::string& path, const VoxelizeRequest& request,
                                                    const OutputOptions& options) {
-  const bool band = request.band.has_value();
   const std::string extension = ExtensionOf(path);
   for (const Format& format : kFormats) {
-    const NewOutput new_output = OutputOf(format, band, request.attributes);
-    if (extension != format.extension || new_output == nullptr) continue;
+    if (extension != format.extension || !CanHold(format, request.fields)) continue;
     auto file = AtomicFile::Create(path);
     if (!file.ok()) return file.status();
-    return new_output(*std::move(file), request, options);
+    return format.open(*std::move(file), request, options);
   }
-  return WrongExtension(path, ExtensionsFor(band, request.attributes));
+  return WrongExtension(path, ExtensionsFor(request.fields));
 }
 
 }  // namespace latvox::client

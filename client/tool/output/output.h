@@ -25,7 +25,7 @@ class Output {
  public:
   virtual ~Output() = default;
 
-  // Gives the numbers of attributes their names. Call it before Begin. Formats without names ignore it.
+  // Gives the numbers of fields their names. Call it before Begin. Formats without names ignore it.
   virtual void SetNames(const CarriedNames&) {}
 
   virtual absl::Status Begin(const Accepted& accepted) = 0;
@@ -49,10 +49,8 @@ struct OutputOptions {
 // Returns the extensions that OpenOutput supports, with the dot.
 const std::vector<std::string>& OutputExtensions();
 
-// Return the extensions that support a band, or voxels with attributes. Except pictures, these formats store the
-// distances or attributes.
-std::vector<std::string> DistanceExtensions();
-std::vector<std::string> AttributeExtensions(const std::vector<Attribute>& attributes);
+// Returns the extensions that support voxels with these fields. Except pictures, these formats store them.
+std::vector<std::string> ExtensionsFor(const std::vector<Field>& fields);
 
 // Returns whether the path has one of these extensions.
 bool HasExtension(const std::string& path, const std::vector<std::string>& extensions);
@@ -72,21 +70,15 @@ std::optional<Warning> WarningOfPlace(const std::vector<std::string>& paths);
 //   .html  page, as that of the .vdb
 //   .glb   surface, see client/tool/output/surface_output.h
 //   .binvox, .vox   boxes of cubes, see client/tool/output/box_output.h
-// A request for a band needs one of DistanceExtensions:
-//   .vdb   a grid of distances, see latvox/grid/distance_grid.h
-//   .csv   one more column, distance, with 9 significant digits
-//   .npy   structured array of shape (voxels,): fields ijk, three int32, and distance, float32
-//   .npz   float32 in place of uint8
-//   .ply   one more property, float distance
-//   .png   picture of the voxels nearest to the surface, see client/tool/output/picture_scene.h
-// A request for attributes needs one of AttributeExtensions:
-//   .vdb   one more grid for each, see latvox/grid/attribute_grids.h
-//   .csv   columns part, material; red, green, blue, 0 to 255; part_name, material_name, if there are names
-//   .npy   structured array: fields part and material, int32; color, three uint8
-//   .npz   one more array for each
-//   .ply   properties int part, material; uchar red, green, blue
-//   .png   picture of voxels in their colors, otherwise by material, otherwise by part
-//   .glb   colors of the surface's vertices; no other attributes
+// A request with fields needs one of ExtensionsFor. Columns are those of client/tool/output/field_columns.h:
+//   .vdb   one more grid for each, see latvox/grid/field_grids.h; a band with distances alone, see distance_grid.h
+//   .csv   further columns, floats with 9 significant digits; part_name, material_name, if there are names
+//   .npy   structured array: ijk, three int32, and one member for each field, with its name
+//   .npz   one more array for each, with its name
+//   .ply   further properties
+//   .png   picture of voxels in their colors, otherwise by material, otherwise by part; of a band with distances, the
+//          voxels nearest to the surface, see client/tool/output/picture_scene.h
+//   .glb   colors of the surface's vertices; no other fields
 // Voxels come in the order of the stream, those of a brick in lexicographic order. Memory does not grow with the
 // voxels, except for .vdb, .nvdb, .html, dense .npy, .npz, .glb, .binvox and .vox. Errors: INVALID_ARGUMENT
 // (extension); FAILED_PRECONDITION (the file cannot be created).

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 #include <utility>
+#include <variant>
 
 #include "client/internal/vec3.h"
 #include "client/tool/output/picture.h"
@@ -37,7 +38,11 @@ std::pair<Vec3d, Vec3d> Visible(const Accepted& accepted) {
 class PictureOutput final : public Output {
  public:
   PictureOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request, UpAxis up)
-      : file_(std::move(file)), traits_{request.attributes}, is_band_(request.band), options_{.up = up} {}
+      : file_(std::move(file)),
+        traits_{request.fields},
+        shows_skin_(std::holds_alternative<Band>(request.set) &&
+                    std::ranges::find(request.fields, Field::kDistance) != request.fields.end()),
+        options_{.up = up} {}
 
   absl::Status Begin(const Accepted& accepted) override {
     const auto [low, high] = Visible(accepted);
@@ -48,7 +53,7 @@ class PictureOutput final : public Output {
   }
 
   absl::Status Add(const BrickBatch& batch) override {
-    if (is_band_) {
+    if (shows_skin_) {
       AddBricks(SkinOf(batch, skin_depth_), {}, *scene_);
       return absl::OkStatus();
     }
@@ -70,7 +75,7 @@ class PictureOutput final : public Output {
  private:
   std::unique_ptr<AtomicFile> file_;
   const VoxelTraits traits_;
-  const bool is_band_;
+  const bool shows_skin_;  // of a band
   const PictureOptions options_;
   double skin_depth_ = 0;  // of a band
   std::optional<VoxelScene> scene_;

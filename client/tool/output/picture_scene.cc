@@ -21,7 +21,7 @@ double SkinDepth(const GridTransform& grid) {
 
 std::vector<Brick> SkinOf(const BrickBatch& batch, double depth) {
   std::vector<Brick> skin;
-  const float* distance = batch.values.data();
+  const float* distance = FindField(batch.fields, Field::kDistance)->As<float>().data();
   for (const Brick& brick : batch.bricks) {
     Brick near{brick.brick_ijk, {}};
     bool any = false;

@@ -16,8 +16,8 @@ namespace latvox::client {
 // sight passes through.
 double SkinDepth(const GridTransform& grid);
 
-// Returns the voxels of a band's batch that are at most `depth` outside: the surface, and the inside of a signed band.
-// Omits bricks without such voxels.
+// Returns the voxels of a batch with distances that are at most `depth` outside: the surface, and the inside if
+// distances are signed. Omits bricks without such voxels.
 std::vector<Brick> SkinOf(const BrickBatch& batch, double depth);
 
 // Returns the diagonal of the box of lattice points, in world units; 0 without bricks.

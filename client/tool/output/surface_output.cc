@@ -11,6 +11,7 @@
 #include "absl/container/flat_hash_map.h"
 #include "absl/strings/str_cat.h"
 #include "client/json/json.h"
+#include "client/tool/output/field_columns.h"
 #include "client/tool/output/voronoi_cell.h"
 #include "latvox/for_each_voxel.h"
 
@@ -55,7 +56,7 @@ class VoxelLookup {
   absl::flat_hash_map<Vec3i, decltype(Brick::mask)> masks_;
 };
 
-// `colors` has one color per voxel, as in Attribute, or is empty.
+// `colors` has one color per voxel, red << 16 | green << 8 | blue, or is empty.
 Surface SurfaceOf(const std::vector<Brick>& bricks, const std::vector<uint32_t>& colors, const GridTransform& grid) {
   VoxelLookup voxels;
   for (const Brick& brick : bricks) voxels.Add(brick);
@@ -162,7 +163,10 @@ class GlbOutput final : public Output {
 
   absl::Status Add(const BrickBatch& batch) override {
     bricks_.insert(bricks_.end(), batch.bricks.begin(), batch.bricks.end());
-    colors_.insert(colors_.end(), batch.attributes.begin(), batch.attributes.end());
+    if (const FieldValues* colors = FindField(batch.fields, Field::kColor)) {
+      const size_t voxels = colors->bytes.size() / FactsOf(Field::kColor).bytes();
+      for (size_t n = 0; n < voxels; ++n) colors_.push_back(NumberAt(*colors, n));
+    }
     return absl::OkStatus();
   }
 

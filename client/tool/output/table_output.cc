@@ -5,12 +5,14 @@
 #include <charconv>
 #include <functional>
 #include <iterator>
+#include <span>
 #include <string>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_replace.h"
+#include "client/tool/output/field_columns.h"
 #include "client/tool/output/npy_header.h"
 #include "latvox/for_each_voxel.h"
 
@@ -21,8 +23,8 @@ namespace {
 // not depend on the number, so it can be rewritten when the number is known.
 class TableOutput : public Output {
  public:
-  TableOutput(std::unique_ptr<AtomicFile> file, const TableColumns& columns)
-      : columns_(columns), file_(std::move(file)) {}
+  TableOutput(std::unique_ptr<AtomicFile> file, const std::vector<Field>& fields)
+      : fields_(fields), file_(std::move(file)) {}
 
   absl::Status Begin(const Accepted& accepted) final {
     grid_ = accepted.grid;
@@ -30,13 +32,11 @@ class TableOutput : public Output {
   }
 
   absl::Status Add(const BrickBatch& batch) final {
-    const float* distance = batch.values.data();
-    const uint32_t* numbers = batch.attributes.data();
+    size_t voxel = 0;
     for (const Brick& brick : batch.bricks) {
       rows_.clear();
-      ForEachVoxel(brick, [this, &distance, &numbers](const Vec3i& ijk) {
-        AppendRow(ijk, grid_.ToWorld(ijk), columns_.distances ? distance++ : nullptr, numbers, rows_);
-        numbers += columns_.attributes.size();
+      ForEachVoxel(brick, [&](const Vec3i& ijk) {
+        AppendRow(ijk, grid_.ToWorld(ijk), batch.fields, voxel++, rows_);
         ++voxels_;
       });
       if (auto status = file_->Append(rows_); !status.ok()) return status;
@@ -52,12 +52,13 @@ class TableOutput : public Output {
   absl::Status Commit() final { return file_->Commit(); }
 
  protected:
-  const TableColumns columns_;
+  const std::vector<Field> fields_;
 
  private:
+  using Fields = std::span<const FieldValues>;
+
   virtual std::string Header(uint64_t rows) const = 0;
-  // `distance` is null without distances. `numbers` has one number per attribute.
-  virtual void AppendRow(const Vec3i& ijk, const Vec3d& world, const float* distance, const uint32_t* numbers,
+  virtual void AppendRow(const Vec3i& ijk, const Vec3d& world, Fields fields, size_t voxel,
                          std::string& rows) const = 0;
 
   std::unique_ptr<AtomicFile> file_;
@@ -71,27 +72,36 @@ void AppendBinary(const T& value, std::string& rows) {
   rows.append(reinterpret_cast<const char*>(&value), sizeof(value));
 }
 
-// Returns the three components of a color.
-std::array<uint8_t, 3> ColorOf(uint32_t number) {
-  return {static_cast<uint8_t>(number >> 16), static_cast<uint8_t>(number >> 8), static_cast<uint8_t>(number)};
+void AppendBinary(std::span<const FieldValues> fields, size_t voxel, std::string& rows) {
+  for (const FieldValues& values : fields) rows.append(BytesAt(values, voxel), FactsOf(values.field).bytes());
 }
 
-// Appends integers of 32 bits, and colors as three bytes.
-void AppendBinary(const std::vector<Attribute>& attributes, const uint32_t* numbers, std::string& rows) {
-  for (const Attribute attribute : attributes) {
-    const uint32_t number = *numbers++;
-    attribute == Attribute::kColor ? AppendBinary(ColorOf(number), rows) : AppendBinary(number, rows);
-  }
-}
-
-// Joins one text for each attribute.
-std::string ForEach(const std::vector<Attribute>& attributes, const char* of_color,
-                    const std::function<std::string(const char* name)>& of_number) {
+// Joins one text for each component of each field.
+std::string ForEachColumn(const std::vector<Field>& fields,
+                          const std::function<std::string(Field field, const char* name)>& text_of) {
   std::string text;
-  for (const Attribute attribute : attributes) {
-    text += attribute == Attribute::kColor ? of_color : of_number(NameOf(attribute));
+  for (const Field field : fields) {
+    for (size_t n = 0; n < FactsOf(field).components; ++n) text += text_of(field, ColumnOf(field, n));
   }
   return text;
+}
+
+// Appends the components of a voxel's field, each with a comma behind it. Floats have 9 digits, which identify them.
+void AppendText(const FieldValues& values, size_t voxel, std::string& rows) {
+  const FieldFacts& facts = FactsOf(values.field);
+  for (size_t n = voxel * facts.components; n < (voxel + 1) * facts.components; ++n) {
+    char text[32];
+    char* end = text;
+    if (facts.type == NumberType::kFloat32) {
+      end = std::to_chars(text, text + sizeof(text), values.As<float>()[n], std::chars_format::general, 9).ptr;
+    } else {
+      const uint32_t number =
+          facts.type == NumberType::kUint8 ? uint32_t{values.As<uint8_t>()[n]} : values.As<uint32_t>()[n];
+      end = std::to_chars(text, text + sizeof(text), number).ptr;
+    }
+    *end++ = ',';
+    rows.append(text, end);
+  }
 }
 
 // Returns the text as a field: within quotes if it needs them, without line ends and other control characters.
@@ -107,27 +117,26 @@ class CsvOutput final : public TableOutput {
   using TableOutput::TableOutput;
 
   void SetNames(const CarriedNames& names) override {
-    for (size_t n = 0; n < columns_.attributes.size(); ++n) {
-      std::vector<std::string> fields = names.Of(columns_.attributes[n]);
-      if (fields.empty()) continue;
-      std::transform(fields.begin(), fields.end(), fields.begin(), CsvField);
-      names_.emplace_back(n, std::move(fields));
+    for (size_t n = 0; n < fields_.size(); ++n) {
+      std::vector<std::string> texts = names.Of(fields_[n]);
+      if (texts.empty()) continue;
+      std::transform(texts.begin(), texts.end(), texts.begin(), CsvField);
+      names_.emplace_back(n, std::move(texts));
     }
   }
 
  private:
   std::string Header(uint64_t) const override {
-    const auto column = [](const char* name) { return absl::StrCat(",", name); };
-    return absl::StrCat("i,j,k,x,y,z", columns_.distances ? ",distance" : "",
-                        ForEach(columns_.attributes, ",red,green,blue", column),
+    const auto column = [](Field, const char* name) { return absl::StrCat(",", name); };
+    return absl::StrCat("i,j,k,x,y,z", ForEachColumn(fields_, column),
                         absl::StrJoin(names_, "",
                                       [this](std::string* out, const auto& named) {
-                                        absl::StrAppend(out, ",", NameOf(columns_.attributes[named.first]), "_name");
+                                        absl::StrAppend(out, ",", NameOf(fields_[named.first]), "_name");
                                       }),
                         "\n");
   }
 
-  void AppendRow(const Vec3i& ijk, const Vec3d& world, const float* distance, const uint32_t* numbers,
+  void AppendRow(const Vec3i& ijk, const Vec3d& world, std::span<const FieldValues> fields, size_t voxel,
                  std::string& rows) const override {
     char text[192];
     char* end = text;
@@ -140,24 +149,16 @@ class CsvOutput final : public TableOutput {
       end = std::to_chars(end, text + sizeof(text), world[m], std::chars_format::general, 17).ptr;
       *end++ = ',';
     }
-    if (distance != nullptr) {
-      end = std::to_chars(end, text + sizeof(text), *distance, std::chars_format::general, 9).ptr;
-      *end++ = ',';
-    }
     rows.append(text, end);
-    for (size_t n = 0; n < columns_.attributes.size(); ++n) {
-      if (columns_.attributes[n] == Attribute::kColor) {
-        absl::StrAppend(&rows, absl::StrJoin(ColorOf(numbers[n]), ","), ",");
-      } else {
-        absl::StrAppend(&rows, numbers[n], ",");
-      }
+    for (const FieldValues& values : fields) AppendText(values, voxel, rows);
+    for (const auto& [n, texts] : names_) {
+      const uint32_t number = NumberAt(fields[n], voxel);
+      absl::StrAppend(&rows, number < texts.size() ? texts[number] : "", ",");
     }
-    for (const auto& [n, fields] : names_)
-      absl::StrAppend(&rows, numbers[n] < fields.size() ? fields[numbers[n]] : "", ",");
     rows.back() = '\n';
   }
 
-  std::vector<std::pair<size_t, std::vector<std::string>>> names_;  // place of the attribute, and fields by number
+  std::vector<std::pair<size_t, std::vector<std::string>>> names_;  // place of the field, and texts by number
 };
 
 class NpyOutput final : public TableOutput {
@@ -166,20 +167,20 @@ class NpyOutput final : public TableOutput {
 
  private:
   std::string Header(uint64_t rows) const override {
-    if (!columns_.distances && columns_.attributes.empty()) {
-      return NpyHeader("'<i4'", std::array<uint64_t, 2>{rows, 3});
+    if (fields_.empty()) return NpyHeader("'<i4'", std::array<uint64_t, 2>{rows, 3});
+    std::string type = "[('ijk', '<i4', (3,))";
+    for (const Field field : fields_) {
+      const size_t components = FactsOf(field).components;
+      absl::StrAppend(&type, ", ('", NameOf(field), "', '", NumpyTypeOf(field), "'",
+                      components > 1 ? absl::StrCat(", (", components, ",)") : "", ")");
     }
-    const auto field = [](const char* name) { return absl::StrCat(", ('", name, "', '<i4')"); };
-    const std::string type = absl::StrCat("[('ijk', '<i4', (3,))", columns_.distances ? ", ('distance', '<f4')" : "",
-                                          ForEach(columns_.attributes, ", ('color', 'u1', (3,))", field), "]");
-    return NpyHeader(type, std::array<uint64_t, 1>{rows});
+    return NpyHeader(type + "]", std::array<uint64_t, 1>{rows});
   }
 
-  void AppendRow(const Vec3i& ijk, const Vec3d&, const float* distance, const uint32_t* numbers,
+  void AppendRow(const Vec3i& ijk, const Vec3d&, std::span<const FieldValues> fields, size_t voxel,
                  std::string& rows) const override {
     AppendBinary(ijk, rows);
-    if (distance != nullptr) AppendBinary(*distance, rows);
-    AppendBinary(columns_.attributes, numbers, rows);
+    AppendBinary(fields, voxel, rows);
   }
 };
 
@@ -190,30 +191,30 @@ class PlyOutput final : public TableOutput {
  private:
   std::string Header(uint64_t rows) const override {
     const std::string count = absl::StrCat(rows);
-    const auto property = [](const char* name) { return absl::StrCat("property int ", name, "\n"); };
+    const auto property = [](Field field, const char* name) {
+      const NumberType type = FactsOf(field).type;
+      const char* const word = type == NumberType::kUint8 ? "uchar" : type == NumberType::kUint32 ? "int" : "float";
+      return absl::StrCat("property ", word, " ", name, "\n");
+    };
     // The comment pads for the length of the number.
-    return absl::StrCat(
-        "ply\nformat binary_little_endian 1.0\ncomment latvox voxel centers", std::string(20 - count.size(), ' '),
-        "\nelement vertex ", count,
-        "\nproperty double x\nproperty double y\nproperty double z\n"
-        "property int i\nproperty int j\nproperty int k\n",
-        columns_.distances ? "property float distance\n" : "",
-        ForEach(columns_.attributes, "property uchar red\nproperty uchar green\nproperty uchar blue\n", property),
-        "end_header\n");
+    return absl::StrCat("ply\nformat binary_little_endian 1.0\ncomment latvox voxel centers",
+                        std::string(20 - count.size(), ' '), "\nelement vertex ", count,
+                        "\nproperty double x\nproperty double y\nproperty double z\n"
+                        "property int i\nproperty int j\nproperty int k\n",
+                        ForEachColumn(fields_, property), "end_header\n");
   }
 
-  void AppendRow(const Vec3i& ijk, const Vec3d& world, const float* distance, const uint32_t* numbers,
+  void AppendRow(const Vec3i& ijk, const Vec3d& world, std::span<const FieldValues> fields, size_t voxel,
                  std::string& rows) const override {
     AppendBinary(world, rows);
     AppendBinary(ijk, rows);
-    if (distance != nullptr) AppendBinary(*distance, rows);
-    AppendBinary(columns_.attributes, numbers, rows);
+    AppendBinary(fields, voxel, rows);
   }
 };
 
 template <class Format>
-std::unique_ptr<Output> NewFormat(std::unique_ptr<AtomicFile> file, const TableColumns& columns) {
-  return std::make_unique<Format>(std::move(file), columns);
+std::unique_ptr<Output> NewFormat(std::unique_ptr<AtomicFile> file, const std::vector<Field>& fields) {
+  return std::make_unique<Format>(std::move(file), fields);
 }
 
 constexpr std::pair<absl::string_view, decltype(&NewFormat<CsvOutput>)> kTableFormats[] = {
@@ -225,9 +226,9 @@ constexpr std::pair<absl::string_view, decltype(&NewFormat<CsvOutput>)> kTableFo
 }  // namespace
 
 std::unique_ptr<Output> NewTableOutput(absl::string_view extension, std::unique_ptr<AtomicFile> file,
-                                       const TableColumns& columns) {
+                                       const std::vector<Field>& fields) {
   const auto is_it = [extension](const auto& format) { return format.first == extension; };
-  return std::find_if(std::begin(kTableFormats), std::end(kTableFormats), is_it)->second(std::move(file), columns);
+  return std::find_if(std::begin(kTableFormats), std::end(kTableFormats), is_it)->second(std::move(file), fields);
 }
 
 }  // namespace latvox::client

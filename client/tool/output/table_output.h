@@ -12,15 +12,10 @@
 
 namespace latvox::client {
 
-// The columns of a row besides the position of the voxel.
-struct TableColumns {
-  bool distances = false;                  // of a band, whose batches have values
-  std::vector<Attribute> attributes = {};  // attributes of the voxels
-};
-
 // Returns the output for an extension in lower case: ".csv", ".npy" or ".ply".
+//   fields   that voxels carry, in order
 std::unique_ptr<Output> NewTableOutput(absl::string_view extension, std::unique_ptr<AtomicFile> file,
-                                       const TableColumns& columns);
+                                       const std::vector<Field>& fields);
 
 }  // namespace latvox::client
 

@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/string_view.h"
+#include "client/tool/output/field_columns.h"
 
 namespace latvox::client {
 namespace {
@@ -34,10 +35,9 @@ uint32_t Between(std::span<const uint32_t> map, double at) {
   return color;
 }
 
-// Returns the index among a voxel's numbers.
-std::optional<size_t> PlaceOf(ColorBy by, const std::vector<Attribute>& attributes) {
-  for (size_t n = 0; n < attributes.size(); ++n) {
-    if (NameOf(attributes[n]) == absl::string_view(NameOf(by))) return n;
+std::optional<Field> FieldOf(ColorBy by) {
+  for (const FieldFacts& row : kFields) {
+    if (row.name == absl::string_view(NameOf(by))) return row.field;
   }
   return std::nullopt;
 }
@@ -49,34 +49,42 @@ const char* NameOf(ColorBy by) {
   return kNames[static_cast<size_t>(by)];
 }
 
+VoxelTraits TraitsOf(const GridContent& content) {
+  VoxelTraits traits{{}, content.distances};
+  for (const FieldValues& values : content.fields) traits.fields.push_back(values.field);
+  return traits;
+}
+
 ColorBy DefaultColorBy(const VoxelTraits& traits) {
   for (const ColorBy by : {ColorBy::kColor, ColorBy::kMaterial, ColorBy::kPart}) {
-    if (PlaceOf(by, traits.attributes)) return by;
+    if (std::find(traits.fields.begin(), traits.fields.end(), *FieldOf(by)) != traits.fields.end()) return by;
   }
-  return traits.band ? ColorBy::kDistance : ColorBy::kNone;
+  return traits.distances ? ColorBy::kDistance : ColorBy::kNone;
 }
 
 uint32_t PaletteColor(uint32_t number) { return kPalette[number % std::size(kPalette)]; }
 
-uint32_t DistanceColor(float distance, const Band& band) {
-  const double share = band.width > 0 ? double{distance} / band.width : 0;
-  return band.is_signed ? Between(kRdBu, (1 + share) / 2) : Between(kViridis, share);
+uint32_t DistanceColor(float distance, const DistanceRange& range) {
+  const double share = range.most > 0 ? double{distance} / range.most : 0;
+  return range.is_signed ? Between(kRdBu, (1 + share) / 2) : Between(kViridis, share);
 }
 
 absl::StatusOr<std::vector<uint32_t>> ColorsOf(const BrickBatch& batch, const VoxelTraits& traits, ColorBy by) {
   std::vector<uint32_t> colors;
   if (by == ColorBy::kNone) return colors;
-  if (by == ColorBy::kDistance && traits.band) {
-    for (const float distance : batch.values) colors.push_back(DistanceColor(distance, *traits.band));
-    return colors;
+  const FieldValues* const values = FindField(batch.fields, *FieldOf(by));
+  if (values == nullptr || (by == ColorBy::kDistance && !traits.distances)) {
+    return absl::InvalidArgumentError(absl::StrCat("the voxels have no ", NameOf(by)));
   }
-  const auto place = PlaceOf(by, traits.attributes);
-  if (!place) return absl::InvalidArgumentError(absl::StrCat("the voxels have no ", NameOf(by)));
-  const size_t count = traits.attributes.size();
-  colors.reserve(batch.attributes.size() / count);
-  for (size_t n = *place; n < batch.attributes.size(); n += count) {
-    const uint32_t number = batch.attributes[n];
-    colors.push_back(by == ColorBy::kColor ? number : PaletteColor(number));
+  const size_t voxels = values->bytes.size() / FactsOf(values->field).bytes();
+  colors.reserve(voxels);
+  for (size_t n = 0; n < voxels; ++n) {
+    if (by == ColorBy::kDistance) {
+      colors.push_back(DistanceColor(values->As<float>()[n], *traits.distances));
+    } else {
+      const uint32_t number = NumberAt(*values, n);
+      colors.push_back(by == ColorBy::kColor ? number : PaletteColor(number));
+    }
   }
   return colors;
 }

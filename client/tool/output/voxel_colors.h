@@ -1,4 +1,4 @@
-// Colors of voxels by their attributes and distances.
+// Colors of voxels by their fields.
 #ifndef LATVOX_CLIENT_TOOL_OUTPUT_VOXEL_COLORS_H_
 #define LATVOX_CLIENT_TOOL_OUTPUT_VOXEL_COLORS_H_
 
@@ -8,21 +8,25 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "latvox/grid/grid_content.h"
 #include "latvox/types.h"
 
 namespace latvox::client {
 
-// A color is a number, as in Attribute: red << 16 | green << 8 | blue, sRGB.
+// A color is a number: red << 16 | green << 8 | blue, sRGB.
 enum class ColorBy { kNone, kPart, kMaterial, kColor, kDistance };
 
 // Returns "none", "part", "material", "color" or "distance".
 const char* NameOf(ColorBy by);
 
-// The values that voxels have. GridContent has those of a file.
+// The fields that voxels carry. GridContent has those of a file.
 struct VoxelTraits {
-  std::vector<Attribute> attributes = {};
-  std::optional<Band> band = std::nullopt;  // with its width in world units
+  std::vector<Field> fields = {};
+  std::optional<DistanceRange> distances = std::nullopt;  // absent: distances give no colors
 };
+
+// Returns those of a file.
+VoxelTraits TraitsOf(const GridContent& content);
 
 // Returns the default: colors, otherwise materials, otherwise parts, otherwise distances.
 ColorBy DefaultColorBy(const VoxelTraits& traits);
@@ -30,10 +34,10 @@ ColorBy DefaultColorBy(const VoxelTraits& traits);
 // Returns the color of a part or material: one of twelve that color-blind people can tell apart, then the first again.
 uint32_t PaletteColor(uint32_t number);
 
-// Returns the color of a distance. A signed band is blue inside, white at the surface, red outside: ColorBrewer's RdBu.
+// Returns the color of a distance. A signed one is blue inside, white at the surface, red outside: ColorBrewer's RdBu.
 // An unsigned one goes from dark violet at the surface to yellow: viridis. Both are safe for color-blind people and end
-// at the width of the band.
-uint32_t DistanceColor(float distance, const Band& band);
+// at the ends of the range.
+uint32_t DistanceColor(float distance, const DistanceRange& range);
 
 // Returns a color for each voxel of the batch, in order; none for ColorBy::kNone. Errors: INVALID_ARGUMENT: the voxels
 // have no values of that name.

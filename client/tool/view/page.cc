@@ -206,7 +206,7 @@ absl::StatusOr<std::string> ViewPage(const GridContent& content, const std::stri
                      {"middle", placement.middle},
                      {"facets", FacetsOf(cell, basis)},
                      {"paints", Describe(*paints)},
-                     {"band", content.band.has_value()}};
+                     {"band", content.is_band}};
   return Fill(data, file.bricks, *paints);
 }
 

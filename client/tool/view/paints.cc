@@ -12,26 +12,16 @@ namespace {
 
 constexpr size_t kMostEntries = 24;  // in a legend
 
-ColorBy ByOf(Attribute attribute) {
-  switch (attribute) {
-    case Attribute::kPart:
-      return ColorBy::kPart;
-    case Attribute::kMaterial:
-      return ColorBy::kMaterial;
-    case Attribute::kColor:
-      return ColorBy::kColor;
+// Returns nothing for a field that gives no colors.
+std::optional<ColorBy> ByOf(Field field) {
+  for (const ColorBy by : {ColorBy::kPart, ColorBy::kMaterial, ColorBy::kColor, ColorBy::kDistance}) {
+    if (absl::string_view(NameOf(by)) == NameOf(field)) return by;
   }
-  return ColorBy::kNone;
-}
-
-template <class Number>
-void AppendBytes(Number number, std::string& bytes) {
-  static_assert(sizeof(number) == 4 && std::endian::native == std::endian::little);
-  bytes.append(reinterpret_cast<const char*>(&number), sizeof(number));
+  return std::nullopt;
 }
 
 absl::StatusOr<Paint> PaintOf(const GridContent& content, ColorBy by) {
-  const auto colors = ColorsOf(content.Batch(), {content.attributes, content.band}, by);
+  const auto colors = ColorsOf(content.Batch(), TraitsOf(content), by);
   if (!colors.ok()) return colors.status();
   Paint paint;
   paint.name = NameOf(by);
@@ -50,29 +40,21 @@ absl::StatusOr<Paint> PaintOf(const GridContent& content, ColorBy by) {
 }  // namespace
 
 absl::StatusOr<std::vector<Paint>> PaintsOf(const GridContent& content) {
-  const ColorBy first = DefaultColorBy({content.attributes, content.band});
+  const ColorBy first = DefaultColorBy(TraitsOf(content));
   std::vector<Paint> paints;
   const auto add = [&](absl::StatusOr<Paint> paint, bool is_first) {
     if (!paint.ok()) return paint.status();
     paints.insert(is_first ? paints.begin() : paints.end(), *std::move(paint));
     return absl::OkStatus();
   };
-  for (size_t n = 0; n < content.attributes.size(); ++n) {
-    const ColorBy by = ByOf(content.attributes[n]);
-    auto paint = PaintOf(content, by);
+  for (const FieldValues& values : content.fields) {
+    const std::optional<ColorBy> by = ByOf(values.field);
+    if (!by) continue;
+    auto paint = PaintOf(content, *by);
     if (paint.ok() && by != ColorBy::kColor) {
-      for (size_t at = n; at < content.numbers.size(); at += content.attributes.size()) {
-        AppendBytes(content.numbers[at], paint->values);
-      }
+      paint->values.assign(reinterpret_cast<const char*>(values.bytes.data()), values.bytes.size());
     }
     if (auto status = add(std::move(paint), by == first); !status.ok()) return status;
-  }
-  if (content.band) {
-    auto paint = PaintOf(content, ColorBy::kDistance);
-    if (paint.ok()) {
-      for (const float distance : content.distances) AppendBytes(distance, paint->values);
-    }
-    if (auto status = add(std::move(paint), true); !status.ok()) return status;
   }
   return paints;
 }

@@ -334,7 +334,7 @@ TEST(Zstd, IsUsedWhereItSavesAnEighth) {
   ASSERT_TRUE(frame);
   EXPECT_LT(frame->size(), surface.size() * 7 / 8);
   std::string packed;
-  EXPECT_EQ(Decompress(*frame, surface.size(), packed), absl::OkStatus());
+  EXPECT_EQ(Decompress(*frame, surface.size(), client::kMaxPackedBytes, packed), absl::OkStatus());
   EXPECT_EQ(packed, surface);
 
   std::string noise(10000, '\0');
@@ -352,20 +352,21 @@ TEST(Zstd, RefusesFramesThatAreNotWhatTheySay) {
   ASSERT_FALSE(frame.empty());
   std::string out;
   for (const size_t other : {packed.size() - 1, packed.size() + 1, size_t{1}}) {
-    EXPECT_FALSE(Decompress(frame, other, out).ok()) << other;
+    EXPECT_FALSE(Decompress(frame, other, client::kMaxPackedBytes, out).ok()) << other;
   }
   for (size_t size = 0; size < frame.size(); ++size) {
-    EXPECT_FALSE(Decompress(frame.substr(0, size), packed.size(), out).ok()) << size;
+    EXPECT_FALSE(Decompress(frame.substr(0, size), packed.size(), client::kMaxPackedBytes, out).ok()) << size;
   }
-  EXPECT_FALSE(Decompress(packed, packed.size(), out).ok());
-  EXPECT_THAT(Decompress(frame, size_t{1} << 32, out).ToString(), HasSubstr("packed_bytes 4294967296 exceeds 1048576"));
+  EXPECT_FALSE(Decompress(packed, packed.size(), client::kMaxPackedBytes, out).ok());
+  EXPECT_THAT(Decompress(frame, size_t{1} << 32, client::kMaxPackedBytes, out).ToString(),
+              HasSubstr("4294967296 bytes exceed 1048576"));
   EXPECT_LE(out.capacity(), 2u << 20);
 
   const std::string zeros(64 << 20, '\0');
   std::string bomb(ZSTD_compressBound(zeros.size()), '\0');
   bomb.resize(ZSTD_compress(bomb.data(), bomb.size(), zeros.data(), zeros.size(), 1));
   ASSERT_LT(bomb.size(), 1u << 16);
-  EXPECT_FALSE(Decompress(bomb, 1 << 20, out).ok());
+  EXPECT_FALSE(Decompress(bomb, 1 << 20, client::kMaxPackedBytes, out).ok());
   EXPECT_LE(out.capacity(), 2u << 20);
 }
 
@@ -379,14 +380,14 @@ void ExpectWholeJob(NamedLattice name, int separability, BrickEncoding encoding)
   ASSERT_TRUE(job.ok()) << job.status();
   std::vector<TileBricks> tiles;
   std::vector<client::Brick> bricks;
-  BrickBatcher batcher(encoding);
+  BrickBatcher batcher(encoding, {});
   const auto take = [&] {
     v1::BrickBatch batch = batcher.Release();
     EXPECT_EQ(batch.brick_ijk_size(), 0);
     EXPECT_EQ(batch.packed_bytes() != 0, encoding == BrickEncoding::kPackedZstd);
     std::string packed = batch.packed();
     if (batch.packed_bytes() != 0) {
-      ASSERT_EQ(Decompress(batch.packed(), batch.packed_bytes(), packed), absl::OkStatus());
+      ASSERT_EQ(Decompress(batch.packed(), batch.packed_bytes(), client::kMaxPackedBytes, packed), absl::OkStatus());
     }
     std::vector<client::Brick> part;
     ASSERT_EQ(UnpackBricks(packed, part), absl::OkStatus());
@@ -417,7 +418,7 @@ TEST(PackedBatches, HoldARealJobOnEachLattice) {
 
 TEST(PackedBatches, BeginSmallAndThenHaveAQuarterToOneMebibyte) {
   for (const BrickEncoding encoding : {BrickEncoding::kPacked, BrickEncoding::kPackedZstd}) {
-    BrickBatcher batcher(encoding);
+    BrickBatcher batcher(encoding, {});
     std::vector<size_t> sizes;
     TileBricks tile = CurvedTile();
     while (sizes.size() < 8) {
@@ -434,31 +435,82 @@ TEST(PackedBatches, BeginSmallAndThenHaveAQuarterToOneMebibyte) {
   }
 }
 
-// Each tile has a megabyte of values.
-TEST(Batches, HoldTheValuesOfTheirBricksAndEndBeforeTheirLimit) {
+// A full tile with these fields, whose bytes are those of a counter.
+TileBricks FullTile(const FieldList& fields) {
   BrickMask full;
   full.fill(~uint64_t{0});
-  for (const BrickEncoding encoding : {BrickEncoding::kMasks, BrickEncoding::kPackedZstd}) {
-    BrickBatcher batcher(encoding);
-    for (int n = 0; n < 5; ++n) {
-      TileBricks tile = TileWith({n, 0, 0}, full, full);
-      tile.values.resize(size_t{512} * 512, static_cast<float>(n));
-      batcher.Add(tile);
-      ASSERT_TRUE(batcher.full());
-      const std::string values = batcher.Release().values();
-      EXPECT_EQ(values, std::string(reinterpret_cast<const char*>(tile.values.data()), size_t{1} << 20));
+  TileBricks tile = TileWith({7, 0, 0}, full, full);
+  tile.voxels = uint64_t{512} * 512;
+  for (const Field field : fields) {
+    std::vector<std::byte>& bytes = tile.fields.emplace_back(tile.voxels * FactsOf(field).bytes());
+    for (size_t n = 0; n < bytes.size(); ++n) bytes[n] = static_cast<std::byte>(n * 2654435761U >> 24);
+  }
+  return tile;
+}
+
+// All fields together take ten megabytes a tile.
+TEST(Batches, HoldTheFieldsOfTheirBricksAndEndBeforeTheirLimit) {
+  FieldList all;
+  for (const FieldFacts& row : kFields) all.Add(row.field);
+  for (const FieldList& fields : {FieldList{Field::kDistance}, FieldList{Field::kNormal}, all}) {
+    BrickBatcher batcher(BrickEncoding::kPacked, fields);
+    const TileBricks tile = FullTile(fields);
+    const std::vector<TileBricks> parts = batcher.PartsOf(tile);
+    EXPECT_EQ(parts.size() > 1, fields == all);
+    std::vector<std::string> values(fields.size());
+    std::vector<client::Brick> bricks;
+    for (const TileBricks& part : parts) {
+      batcher.Add(part);
+      EXPECT_TRUE(batcher.full());
+      const v1::BrickBatch batch = batcher.Release(&part != &parts.back());
+      EXPECT_EQ(batch.tile_continues(), &part != &parts.back());
+      EXPECT_LE(batch.ByteSizeLong(), size_t{4} << 20);
+      std::vector<client::Brick> some;
+      EXPECT_EQ(UnpackBricks(batch.packed(), some), absl::OkStatus());
+      bricks.insert(bricks.end(), some.begin(), some.end());
+      ASSERT_EQ(batch.fields_size(), static_cast<int>(fields.size()));
+      for (size_t n = 0; n < values.size(); ++n) values[n] += batch.fields(static_cast<int>(n)).values();
     }
-    TileBricks one = TileWith({9, 0, 0}, With(0, 0, 0), With(0, 0, 0));
-    one.values = {0.5F};
-    batcher.Add(one);
-    EXPECT_FALSE(batcher.full());
-    EXPECT_EQ(batcher.Release().values().size(), sizeof(float));
-    EXPECT_EQ(batcher.Release().values(), "");
+    ExpectSame(bricks, {tile});
+    for (size_t n = 0; n < values.size(); ++n) {
+      EXPECT_EQ(values[n], std::string(reinterpret_cast<const char*>(tile.fields[n].data()), tile.fields[n].size()));
+    }
+  }
+}
+
+// Distances of neighbors have the same first bytes, and parts are mostly the same.
+TEST(Batches, CompressFieldsWhereItPays) {
+  const FieldList fields{Field::kPart, Field::kDistance, Field::kTriangle};
+  TileBricks tile = FullTile(fields);
+  std::fill(tile.fields[0].begin(), tile.fields[0].end(), std::byte{1});
+  for (size_t n = 0; n < tile.voxels; ++n) {
+    const float distance = 1 + static_cast<float>(n % 512) / 1024;
+    std::memcpy(&tile.fields[1][4 * n], &distance, sizeof(distance));
+  }
+  std::mt19937 random(3);
+  for (std::byte& byte : tile.fields[2]) byte = static_cast<std::byte>(random());
+  BrickBatcher batcher(BrickEncoding::kPackedZstd, fields);
+  batcher.Add(tile);
+  const v1::BrickBatch batch = batcher.Release();
+  EXPECT_LT(batch.fields(0).values().size(), 1000U);
+  EXPECT_LT(batch.fields(1).values().size(), tile.fields[1].size() / 2);
+  EXPECT_EQ(batch.fields(2).plain_bytes(), 0U);
+  for (int n = 0; n < 2; ++n) {
+    const size_t size = tile.fields[static_cast<size_t>(n)].size();
+    EXPECT_EQ(batch.fields(n).plain_bytes(), size);
+    std::string planes;
+    ASSERT_EQ(Decompress(batch.fields(n).values(), size, client::kMaxFieldBytes, planes), absl::OkStatus());
+    for (size_t voxel = 0; voxel < tile.voxels; voxel += 77) {
+      for (size_t byte = 0; byte < 4; ++byte) {
+        EXPECT_EQ(static_cast<std::byte>(planes[byte * tile.voxels + voxel]),
+                  tile.fields[static_cast<size_t>(n)][4 * voxel + byte]);
+      }
+    }
   }
 }
 
 TEST(PackedBatches, NeverHoldMoreBricksThanTheContractAllows) {
-  BrickBatcher batcher(BrickEncoding::kPacked);
+  BrickBatcher batcher(BrickEncoding::kPacked, {});
   BrickMask full;
   full.fill(~uint64_t{0});
   for (int n = 0, batches = 0; batches < 6; ++n) {

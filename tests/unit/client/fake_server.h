@@ -91,6 +91,7 @@ struct Answers {
     end.set_bricks(3);
     end.set_tiles(2);
     end.set_mesh_bytes(mesh_bytes);
+    end.mutable_certificate()->set_set("surface");
     end.mutable_certificate()->set_digest(digest.ToHex());
   }
 

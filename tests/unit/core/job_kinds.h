@@ -20,9 +20,9 @@ struct JobKind {
   VoxelizeOptions options;
   NamedLattice lattice = NamedLattice::kCartesian;
 
-  // Makes a job of a mesh; its vertices get attributes if the kind has some.
+  // Makes a job of a mesh; its vertices get numbers if the kind has fields of the mesh.
   std::unique_ptr<VoxelizeJob> Job(TriangleMesh mesh) const {
-    for (size_t n = 0; n < mesh.vertices.size() * options.fields.size(); ++n) {
+    for (size_t n = 0; n < mesh.vertices.size() * options.fields.OfMesh().size(); ++n) {
       mesh.attributes.push_back(static_cast<uint32_t>(n % 7));
     }
     return *VoxelizeJob::Create(std::move(mesh), {Lattice::Named(lattice), {0, 0, 0}}, options);
@@ -33,12 +33,15 @@ inline std::vector<JobKind> JobKinds() {
   return {{"k = 0", 40000, {}},
           {"k = 2", 120000, {.separability = 2}},
           {"BCC", 32000, {}, NamedLattice::kBcc},
-          {"band", 2000, {.band = Band{2, true}}},
-          {"signed band", 2000, {.band = Band{2, true, true}}},
-          {"solid", 40000, {.solid = Solid{}}},
-          {"open solid", 40000, {.solid = Solid{.rule = InteriorRule::kWinding, .force_open = true}}},
-          {"attributes", 8000, {.fields = {Field::kPart, Field::kMaterial}}},
-          {"supercover", 28000, {.cover = Cover::kSupercover}},
+          {"band", 2000, {.set = Band{2, true}}},
+          {"signed band", 2000, {.set = Band{2, true}, .fields = {Field::kDistance}, .signed_distance = true}},
+          {"band with fields", 1500, {.set = Band{2, true}, .fields = {Field::kTriangle, Field::kNormal}}},
+          {"solid", 40000, {.set = Solid{}}},
+          {"open solid", 40000, {.set = Solid{.rule = InteriorRule::kWinding, .force_open = true}}},
+          {"fields of the mesh", 8000, {.fields = {Field::kPart, Field::kMaterial}}},
+          {"fields", 6000, {.fields = {Field::kTriangle, Field::kPoint, Field::kNormal}}},
+          {"solid with fields", 4000, {.set = Solid{}, .fields = {Field::kPart, Field::kDistance}}},
+          {"supercover", 28000, {.set = SupercoverSurface{}}},
           {"brute force", 1500, {.algorithm = Algorithm::kBruteForce}},
           {"incremental", 10000, {.algorithm = Algorithm::kIncremental}},
           {"optimized incremental", 10000, {.algorithm = Algorithm::kOptimizedIncremental}}};

@@ -1,6 +1,6 @@
 // The names of the parts and materials that voxels carry the numbers of. Programs need no OpenVDB header for this.
 //
-// Grids of latvox::client::AttributeGrids keep them in their metadata, if the mesh's file has some:
+// Grids of latvox::client::FieldGrids keep them in their metadata, if the mesh's file has some:
 //
 //   latvox_part_names, latvox_material_names   a JSON array of strings; the n-th is the name of number n, "" if unknown
 #ifndef LATVOX_LATVOX_GRID_CARRIED_NAMES_H_
@@ -18,19 +18,19 @@ namespace latvox::client {
 
 // Names by number. Numbers beyond the last name have none.
 struct CarriedNames {
-  std::vector<std::string> parts;      // of Attribute::kPart; "": unknown
-  std::vector<std::string> materials;  // of Attribute::kMaterial; "": unknown
+  std::vector<std::string> parts;      // of Field::kPart; "": unknown
+  std::vector<std::string> materials;  // of Field::kMaterial; "": unknown
   bool operator==(const CarriedNames&) const = default;
 
-  // Returns the names of an attribute: none for kColor.
-  const std::vector<std::string>& Of(Attribute attribute) const {
+  // Returns the names of a field: only kPart and kMaterial have some.
+  const std::vector<std::string>& Of(Field field) const {
     static const std::vector<std::string> kNone;
-    return attribute == Attribute::kPart ? parts : attribute == Attribute::kMaterial ? materials : kNone;
+    return field == Field::kPart ? parts : field == Field::kMaterial ? materials : kNone;
   }
 
   // Returns the name of a number, or "".
-  std::string Of(Attribute attribute, uint32_t number) const {
-    const std::vector<std::string>& names = Of(attribute);
+  std::string Of(Field field, uint32_t number) const {
+    const std::vector<std::string>& names = Of(field);
     return number < names.size() ? names[number] : "";
   }
 };

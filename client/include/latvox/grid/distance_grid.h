@@ -1,7 +1,7 @@
-// Bands of distances as OpenVDB grids. Programs need no OpenVDB header for this.
+// Bands with their distances, and no other fields, as OpenVDB grids. Programs need no OpenVDB header for this.
 //
 //   index space, world space, metadata   as in latvox/grid/voxel_grid.h, and latvox_band_width,
-//                                        latvox_band_signed, latvox_band_digest
+//                                        latvox_signed_distance, latvox_distance_digest
 //   active voxels                        the band
 //   values                               the distances, world units; the width (the background) elsewhere
 //
@@ -30,7 +30,7 @@ class LATVOX_EXPORT DistanceGrid {
   DistanceGrid& operator=(DistanceGrid&&) noexcept;  // replaces this one
   ~DistanceGrid();                                   // frees the grid
 
-  // Adds the batch's voxels. Precondition: it has a value for each voxel. Errors: RESOURCE_EXHAUSTED (memory).
+  // Adds the batch's voxels. Precondition: its voxels carry distances. Errors: RESOURCE_EXHAUSTED (memory).
   absl::Status Add(const BrickBatch& batch);
 
   // Writes the request into the grid's metadata: latvox_request, a JSON object with the fields of a line of `latvox

@@ -1,4 +1,4 @@
-// The content of a .vdb file of latvox: voxels, with their distances or attributes. Programs need no OpenVDB header for
+// The content of a .vdb file of latvox: voxels with their fields. Programs need no OpenVDB header for
 // this.
 #ifndef LATVOX_LATVOX_GRID_GRID_CONTENT_H_
 #define LATVOX_LATVOX_GRID_GRID_CONTENT_H_
@@ -15,24 +15,30 @@
 
 namespace latvox::client {
 
-// Numbers are in the order of BrickBatch: brick after brick, and within a brick in lexicographic order of ijk.
-struct GridContent {
-  GridFile file;                            // for a band, the voxels within it
-  std::optional<Band> band = std::nullopt;  // for a grid "distance": the band's width in world units; absent for others
-  std::vector<float> distances = {};        // for a band: one for each voxel, world units
-  std::vector<Attribute> attributes = {};   // of the voxels: part, material, color, in this order
-  std::vector<uint32_t> numbers = {};       // one for each voxel and attribute
-
-  // Returns all bricks, with their distances and attributes.
-  BrickBatch Batch() const { return {file.bricks, 1, distances, numbers}; }
+// The range of distances.
+struct DistanceRange {
+  double most = 0;         // their greatest size; of a band, its width; world units
+  bool is_signed = false;  // they are negative inside
+  bool operator==(const DistanceRange&) const = default;
 };
 
-// Reads voxels like ReadGridFile, with the grids "part", "material" and "color" (see latvox/grid/attribute_grids.h). If
+// The voxels of a file.
+struct GridContent {
+  GridFile file;                                          // with the set
+  bool is_band = false;                                   // the file has no set except the grid "distance"
+  std::vector<FieldValues> fields = {};                   // of the voxels, in the order of kFields
+  std::optional<DistanceRange> distances = std::nullopt;  // if Field::kDistance is among them
+
+  // Returns all bricks with their fields.
+  BrickBatch Batch() const { return {file.bricks, 1, fields}; }
+};
+
+// Reads voxels like ReadGridFile, with the grids of fields (see latvox/grid/field_grids.h). If
 // the file's first grid has floats and is named "distance", reads a band (see latvox/grid/distance_grid.h). Facts that
-// the metadata lack come from the distances. Memory: that of ReadGridFile, 4 bytes for each number, and one grid at a
-// time while it reads: see DistanceGrid, AttributeGrids. Errors: as ReadGridFile; INVALID_ARGUMENT if a grid has other
+// the metadata lack come from the distances. Memory: that of ReadGridFile, the fields, and one grid at a time while it
+// reads: see DistanceGrid, FieldGrids. Errors: as ReadGridFile; INVALID_ARGUMENT if a grid has other
 // voxels than the set, or values that latvox does not write.
-//   values   false: leaves out distances and attributes
+//   values   false: leaves out the fields
 LATVOX_EXPORT absl::StatusOr<GridContent> ReadGridContent(const std::string& path, bool values = true);
 
 }  // namespace latvox::client

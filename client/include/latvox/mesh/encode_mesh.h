@@ -32,13 +32,13 @@ LATVOX_EXPORT absl::StatusOr<std::string> EncodeMesh(std::span<const std::array<
 
 // All are optional.
 struct EncodeOptions {
-  std::vector<Attribute> attributes = {};  // numbers that the stream carries besides positions, each once
-  int quantization_bits = 0;               // as above
+  std::vector<Field> fields = {};  // of the mesh, which the stream carries besides positions, each once
+  int quantization_bits = 0;       // as above
 };
 
-// Encodes a mesh with attributes in the same way, for a request with the same VoxelizeRequest::attributes. Positions
+// Encodes a mesh with fields in the same way, for a request with them among VoxelizeRequest::fields. Positions
 // are rounded to float32, because the service takes no others. Errors: as above, and INVALID_ARGUMENT for a position
-// beyond float32, a list of another length, parts that descend, an attribute that is named twice or that the mesh
+// beyond float32, a list of another length, parts that descend, a field that is named twice or that the mesh
 // lacks.
 LATVOX_EXPORT absl::StatusOr<std::string> EncodeMesh(const TriangleMesh& mesh, const EncodeOptions& options = {});
 

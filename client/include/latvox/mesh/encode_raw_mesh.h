@@ -26,11 +26,10 @@ struct RawMesh {
 };
 
 // Positions are float32 if that holds all of them exactly, otherwise doubles. Thread-safe.
-//   attributes   numbers that the arrays carry besides positions, each once
+//   fields   of the mesh, which the arrays carry besides positions, each once
 // Errors: INVALID_ARGUMENT naming field and element: no triangle, an index out of range, a position that is not finite,
-// a list of another length, parts that descend, an attribute that is named twice or that the mesh lacks.
-LATVOX_EXPORT absl::StatusOr<RawMesh> EncodeRawMesh(const TriangleMesh& mesh,
-                                                    const std::vector<Attribute>& attributes = {});
+// a list of another length, parts that descend, a field that is named twice or that the mesh lacks.
+LATVOX_EXPORT absl::StatusOr<RawMesh> EncodeRawMesh(const TriangleMesh& mesh, const std::vector<Field>& fields = {});
 
 }  // namespace latvox::client
 

@@ -10,7 +10,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "latvox/grid/attribute_grids.h"
+#include "latvox/grid/field_grids.h"
 #include "latvox/grid/voxel_grid.h"
 
 namespace latvox::client {
@@ -22,7 +22,7 @@ using testing::HasSubstr;
 std::string Whole() {
   const std::string path = testing::TempDir() + "/frame.vdb";
   const GridTransform cubes = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {0, 0, 0}, 1};
-  AttributeGrids grids(cubes, {Attribute::kPart});
+  FieldGrids grids(cubes, {Field::kPart});
   Certificate certificate;
   certificate.digest = "0123456789abcdef0123456789abcdef";
   grids.SetCertificate(certificate);

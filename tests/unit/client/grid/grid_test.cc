@@ -5,10 +5,12 @@
 
 #include "client/grid/openvdb_trees.h"
 #include "latvox/error.h"
-#include "latvox/grid/attribute_grids.h"
 #include "latvox/grid/distance_grid.h"
+#include "latvox/grid/field_grids.h"
+#include "latvox/grid/grid_content.h"
 #include "latvox/grid/openvdb_grid.h"
 #include "latvox/grid/voxel_grid.h"
+#include "tests/unit/client/fields.h"
 #include "tests/unit/client/files.h"
 
 namespace latvox::client {
@@ -120,10 +122,10 @@ TEST_F(Grid, WarningsAreMetadataOfEveryGrid) {
   DistanceGrid distances(kCubes, 1, false, true);
   distances.SetWarnings(warnings);
   ASSERT_TRUE(distances.Write(Path("distances.vdb")).ok());
-  AttributeGrids attributes(kCubes, {Attribute::kPart});
-  attributes.SetWarnings(warnings);
-  ASSERT_TRUE(attributes.Write(Path("attributes.vdb")).ok());
-  for (const char* name : {"voxels.vdb", "distances.vdb", "attributes.vdb"}) {
+  FieldGrids fields(kCubes, {Field::kPart});
+  fields.SetWarnings(warnings);
+  ASSERT_TRUE(fields.Write(Path("fields.vdb")).ok());
+  for (const char* name : {"voxels.vdb", "distances.vdb", "fields.vdb"}) {
     EXPECT_THAT(ReadGridFileInfo(Path(name))->metadata, Contains(Pair("latvox_warnings", kText))) << name;
   }
 }
@@ -137,10 +139,13 @@ TEST_F(Grid, DistancesAreALevelSetWhereTheyHaveTwoSides) {
     values.push_back(-0.125F - 0.015625F * static_cast<float>(values.size()));
   }
   Certificate certificate;
-  certificate.band = BandCertificate{0.25, true, "0123"};
+  certificate.band = BandFacts{0.25};
+  certificate.fields = {{Field::kDistance, "0123"}};
+  certificate.signed_distance = true;
+  const std::vector<FieldValues> fields{ValuesOf<float>(Field::kDistance, values)};
   for (const auto& [width, whole] : {std::pair{0.25, true}, {0.25, false}, {0.2, true}}) {
     DistanceGrid grid(kCubes, width, /*is_signed=*/true, whole);
-    ASSERT_TRUE(grid.Add({{&brick, 1}, 1, values}).ok());
+    ASSERT_TRUE(grid.Add({{&brick, 1}, 1, fields}).ok());
     grid.SetCertificate(certificate);
     ASSERT_TRUE(grid.Write(Path("d.vdb")).ok());
     openvdb::io::File file(Path("d.vdb"));
@@ -154,18 +159,21 @@ TEST_F(Grid, DistancesAreALevelSetWhereTheyHaveTwoSides) {
     EXPECT_EQ(read->tree().getValue({4, 3, -4}), -0.203125F);
     EXPECT_EQ(read->tree().getValue({3, 3, -4}), static_cast<float>(level_set ? -width : width));
     EXPECT_EQ(read->getMetadata<openvdb::DoubleMetadata>("latvox_band_width")->value(), 0.25);
-    EXPECT_EQ(read->getMetadata<openvdb::StringMetadata>("latvox_band_digest")->value(), "0123");
+    EXPECT_EQ(read->getMetadata<openvdb::StringMetadata>("latvox_distance_digest")->value(), "0123");
+    EXPECT_TRUE(read->getMetadata<openvdb::BoolMetadata>("latvox_signed_distance")->value());
     EXPECT_TRUE(read->transform().indexToWorld(openvdb::Vec3d(4, 0, 4)).eq(openvdb::Vec3d(0, 0, 2)));
   }
 }
 
-TEST_F(Grid, AttributesAreGridsOfTheSameVoxels) {
+TEST_F(Grid, FieldsAreGridsOfTheSameVoxels) {
   const Brick brick{{0, 0, -1}, {0, 0, uint64_t{5} << 28, 0, uint64_t{7} << 28}};  // (2, 3, -4) and on
-  const std::vector<uint32_t> numbers{7, 0xFF8001, 0, 0x000100, 0x7FFFFFFF, 0, 1, 2, 3, 4};
-  AttributeGrids grids(kBcc, {Attribute::kPart, Attribute::kColor});
-  ASSERT_TRUE(grids.Add({{&brick, 1}, 1, {}, numbers}).ok());
+  const std::vector<FieldValues> fields{
+      ValuesOf<uint32_t>(Field::kPart, {7, 0, 0x7FFFFFFF, 1, 3}),
+      ValuesOf<uint8_t>(Field::kColor, {255, 128, 1, 0, 1, 0, 0, 0, 0, 0, 0, 2, 0, 0, 4})};
+  FieldGrids grids(kBcc, {Field::kPart, Field::kColor});
+  ASSERT_TRUE(grids.Add({{&brick, 1}, 1, fields}).ok());
   Certificate certificate;
-  certificate.attributes = AttributeCertificate{{Attribute::kPart, Attribute::kColor}, "0123"};
+  certificate.fields = {{Field::kPart, "0123"}, {Field::kColor, "4567"}};
   grids.SetCertificate(certificate);
   ASSERT_TRUE(grids.Write(Path("a.vdb")).ok());
   openvdb::io::File file(Path("a.vdb"));
@@ -188,9 +196,35 @@ TEST_F(Grid, AttributesAreGridsOfTheSameVoxels) {
   EXPECT_EQ(colors->tree().getValue({2, 3, -2}), openvdb::Vec3s(0, 1.0F / 255, 0));
   EXPECT_EQ(colors->tree().getValue({2, 3, -3}), openvdb::Vec3s(0, 0, 0));
   for (const openvdb::GridBase::Ptr& grid : openvdb::GridPtrVec{voxels, parts, colors}) {
-    EXPECT_EQ(grid->getMetadata<openvdb::StringMetadata>("latvox_attributes")->value(), "part,color");
-    EXPECT_EQ(grid->getMetadata<openvdb::StringMetadata>("latvox_attributes_digest")->value(), "0123");
+    EXPECT_EQ(grid->getMetadata<openvdb::StringMetadata>("latvox_fields")->value(), "part,color");
+    EXPECT_EQ(grid->getMetadata<openvdb::StringMetadata>("latvox_part_digest")->value(), "0123");
+    EXPECT_EQ(grid->getMetadata<openvdb::StringMetadata>("latvox_color_digest")->value(), "4567");
   }
+}
+
+TEST_F(Grid, EveryFieldIsReadBackAsItWasWritten) {
+  const Brick brick{{0, 0, -1}, {3}};
+  std::vector<FieldValues> fields;
+  std::vector<Field> names;
+  for (const FieldFacts& row : kFields) {
+    names.push_back(row.field);
+    if (row.type == NumberType::kFloat32) {
+      fields.push_back(ValuesOf<float>(row.field, {0.25F, -0.5F, 0.125F, 1, 0, 0.75F}));
+    } else if (row.type == NumberType::kUint32) {
+      fields.push_back(ValuesOf<uint32_t>(row.field, {9, 0x7FFFFFFF, 0, 0, 0, 0}));
+    } else {
+      fields.push_back(ValuesOf<uint8_t>(row.field, {0, 7, 255, 254, 1, 128}));
+    }
+    fields.back().bytes.resize(2 * row.bytes());
+  }
+  FieldGrids grids(kSkew, names);
+  ASSERT_TRUE(grids.Add({{&brick, 1}, 1, fields}).ok());
+  ASSERT_TRUE(grids.Write(Path("f.vdb")).ok());
+  const auto content = ReadGridContent(Path("f.vdb"));
+  ASSERT_TRUE(content.ok()) << content.status();
+  EXPECT_EQ(content->fields, fields);
+  EXPECT_EQ(content->distances, (DistanceRange{0.5, true}));
+  EXPECT_FALSE(content->is_band);
 }
 
 TEST_F(Grid, AGridWithoutACertificateHasNoDigest) {

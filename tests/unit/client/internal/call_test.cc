@@ -38,16 +38,16 @@ TEST(Call, DeliversTheServersAnswers) {
   EXPECT_GT(summary->bytes_received, 3u * 76);
 }
 
-// A server that does not know the field leaves `cover` empty.
+// A server that does not know a set finds another one.
 TEST(Call, TakesNoSeparatingSetForASupercover) {
   VoxelizeRequest request;
-  request.cover = Cover::kSupercover;
+  request.set = Supercover{};
   Answers answers(kMesh.size());
   const Fake old(Send(answers.All()));
   const absl::Status status = old.client().Voxelize(request, kMesh, {}).status();
-  EXPECT_EQ(status.code(), absl::StatusCode::kUnimplemented);
-  EXPECT_THAT(std::string(status.message()), HasSubstr("cover"));
-  answers.summary.mutable_summary()->mutable_certificate()->set_cover("supercover");
+  EXPECT_EQ(status.code(), absl::StatusCode::kDataLoss);
+  EXPECT_THAT(std::string(status.message()), HasSubstr("the set surface instead of supercover"));
+  answers.summary.mutable_summary()->mutable_certificate()->set_set("supercover");
   const Fake known(Send(answers.All()));
   EXPECT_TRUE(known.client().Voxelize(request, kMesh, {}).ok());
 }
@@ -114,7 +114,8 @@ TEST(Call, CarriesNoTraceThatIsMalformed) {
 TEST(Call, SendsTheSpecFirstThenTheMeshInPiecesOfAtMostOneMebibyte) {
   v1::VoxelizeSpec spec;
   std::string mesh;
-  const Answers answers(kMesh.size());
+  Answers answers(kMesh.size());
+  answers.summary.mutable_summary()->mutable_certificate()->set_set("interior");
   const Fake fake([&](grpc::ServerContext* context, Stream* stream) {
     v1::VoxelizeRequest request;
     EXPECT_TRUE(stream->Read(&request) && request.has_spec());
@@ -137,7 +138,7 @@ TEST(Call, SendsTheSpecFirstThenTheMeshInPiecesOfAtMostOneMebibyte) {
   request.region = IndexBox{{-5, 0, 5}, {6, 7, 8}};
   request.bounds = WorldBox{{-1.5, 0, 2}, {3, 4, 5.25}};
   request.shard = Shard{3, 8};
-  request.solid = Solid{InteriorRule::kWinding, false, true};
+  request.set = Solid{InteriorRule::kWinding, SolidSurface::kNone, true};
   ASSERT_TRUE(fake.client().Voxelize(request, kMesh, {}).ok());
   EXPECT_FALSE(spec.has_band());
   EXPECT_EQ(mesh, kMesh);
@@ -153,9 +154,9 @@ TEST(Call, SendsTheSpecFirstThenTheMeshInPiecesOfAtMostOneMebibyte) {
   EXPECT_EQ(spec.bounds().max().z(), 5.25);
   EXPECT_EQ(spec.shard().index(), 3u);
   EXPECT_EQ(spec.shard().count(), 8u);
-  EXPECT_EQ(spec.fill().mode(), v1::FILL_MODE_SOLID);
-  EXPECT_EQ(spec.fill().rule(), v1::INTERIOR_RULE_WINDING);
-  EXPECT_TRUE(!spec.fill().surface() && spec.fill().force_open());
+  EXPECT_EQ(spec.solid().rule(), v1::INTERIOR_RULE_WINDING);
+  EXPECT_EQ(spec.solid().surface(), v1::SOLID_SURFACE_NONE);
+  EXPECT_TRUE(spec.solid().force_open());
   EXPECT_EQ(spec.mesh_bytes(), kMesh.size());
 }
 
@@ -214,7 +215,7 @@ std::vector<Breach> Breaches() {
       {"packed bits flipped", [=](Messages& m) { Packed(second(m), kTile0); }, "summary of 6 voxels after 2"},
       {"no zstd frame", [=](Messages& m) { Packed(second(m), kTile0), second(m)->set_packed_bytes(18); }, "zstd"},
       {"a bomb", [=](Messages& m) { Packed(second(m), "x"), second(m)->set_packed_bytes(UINT32_MAX); },
-       "packed_bytes 4294967295 exceeds 1048576"},
+       "4294967295 bytes exceed 1048576"},
       {"progress falls", [=](Messages& m) { second(m)->set_progress(0.25); }, "progress"},
       {"progress NaN", [=](Messages& m) { first(m)->set_progress(NAN); }, "progress"},
       {"progress over 1", [=](Messages& m) { second(m)->set_progress(1.5); }, "progress"},

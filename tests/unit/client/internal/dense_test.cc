@@ -9,6 +9,7 @@
 
 #include "latvox/error.h"
 #include "latvox/for_each_voxel.h"
+#include "tests/unit/client/fields.h"
 
 namespace latvox::client {
 namespace {
@@ -16,12 +17,12 @@ namespace {
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-// Voxels (-8, -7, 3), (-6, -8, 0), (-6, -8, 1) and (1, 0, 7), with distances and two attributes each.
+// Voxels (-8, -7, 3), (-6, -8, 0), (-6, -8, 1) and (1, 0, 7), with distances and parts.
 Voxelization Four() {
   Voxelization all;
   all.bricks = {{{-1, -1, 0}, {uint64_t{1} << 11, 0, 3}}, {{0, 0, 0}, {0, uint64_t{1} << 7}}};
-  all.values = {0.5F, -1, 0, 2};
-  all.attributes = {10, 11, 20, 21, 30, 31, 40, 41};
+  all.fields = {ValuesOf<float>(Field::kDistance, {0.5F, -1, 0, 2}),
+                ValuesOf<uint32_t>(Field::kPart, {10, 20, 30, 40})};
   all.accepted.index_box = IndexBox{{-8, -8, 0}, {2, 1, 8}};
   return all;
 }
@@ -34,31 +35,21 @@ TEST(ForEachVoxel, VisitsTheVoxelsOfABrickInOrder) {
   EXPECT_EQ(CountVoxels(all.bricks[0]), 3U);
 }
 
-TEST(ForEachVoxel, GivesEachVoxelOfAResultItsDistanceAndAttributes) {
+TEST(ForEachVoxel, GivesEachVoxelOfAResultItsFields) {
   const Voxelization all = Four();
   std::vector<Vec3i> visited;
   std::vector<float> distances;
-  std::vector<uint32_t> attributes;
+  std::vector<uint32_t> parts;
   ForEachVoxel(all, [&](const Voxel& voxel) {
     visited.push_back(voxel.ijk);
-    distances.push_back(voxel.distance.value());
-    ASSERT_EQ(voxel.attributes.size(), 2U);
-    attributes.insert(attributes.end(), voxel.attributes.begin(), voxel.attributes.end());
+    ASSERT_EQ(voxel.Of<float>(Field::kDistance).size(), 1U);
+    distances.push_back(voxel.Of<float>(Field::kDistance)[0]);
+    parts.push_back(voxel.Of<uint32_t>(Field::kPart)[0]);
+    EXPECT_THAT(voxel.Of<float>(Field::kNormal), IsEmpty());
   });
   EXPECT_THAT(visited, ElementsAre(Vec3i{-8, -7, 3}, Vec3i{-6, -8, 0}, Vec3i{-6, -8, 1}, Vec3i{1, 0, 7}));
-  EXPECT_EQ(distances, all.values);
-  EXPECT_EQ(attributes, all.attributes);
-}
-
-TEST(ForEachVoxel, OfASurfaceHasNeither) {
-  const std::vector<Brick> bricks = Four().bricks;
-  size_t visits = 0;
-  ForEachVoxel(BrickBatch{.bricks = bricks}, [&](const Voxel& voxel) {
-    ++visits;
-    EXPECT_FALSE(voxel.distance.has_value());
-    EXPECT_THAT(voxel.attributes, IsEmpty());
-  });
-  EXPECT_EQ(visits, 4U);
+  EXPECT_THAT(distances, ElementsAre(0.5F, -1, 0, 2));
+  EXPECT_THAT(parts, ElementsAre(10, 20, 30, 40));
 }
 
 TEST(Dense, HasOneByteForEachPointInTheOrderThatItStates) {
@@ -77,30 +68,30 @@ TEST(Dense, HasOneByteForEachPointInTheOrderThatItStates) {
     EXPECT_LE(dense->voxels[n], 1);
   }
   EXPECT_THAT(set, ElementsAre(8 + 3, 2 * 72, 2 * 72 + 1, 719));
-  EXPECT_THAT(dense->distances, IsEmpty());
-  EXPECT_THAT(dense->attributes, IsEmpty());
+  EXPECT_THAT(dense->fields, IsEmpty());
 }
 
-TEST(Dense, HasDistancesAndAttributesAtVoxels) {
+TEST(Dense, HasFieldsAtVoxels) {
   const Voxelization all = Four();
   const auto dense = ToDense(all);
   ASSERT_TRUE(dense.ok()) << dense.status();
   EXPECT_EQ(dense->box, *all.accepted.index_box);
-  ASSERT_EQ(dense->distances.size(), 720U);
-  EXPECT_EQ(dense->distances[dense->IndexOf({-6, -8, 0})], -1);
-  EXPECT_TRUE(std::isnan(dense->distances[dense->IndexOf({0, 0, 0})]));
-  EXPECT_EQ(dense->attributes_per_voxel, 2U);
-  ASSERT_EQ(dense->attributes.size(), 1440U);
-  EXPECT_EQ(dense->attributes[2 * dense->IndexOf({1, 0, 7}) + 1], 41U);
-  EXPECT_EQ(dense->attributes[2 * dense->IndexOf({0, 0, 7}) + 1], 0U);
+  const auto distances = dense->fields[0].As<float>();
+  ASSERT_EQ(distances.size(), 720U);
+  EXPECT_EQ(distances[dense->IndexOf({-6, -8, 0})], -1);
+  EXPECT_TRUE(std::isnan(distances[dense->IndexOf({0, 0, 0})]));
+  const auto parts = dense->fields[1].As<uint32_t>();
+  ASSERT_EQ(parts.size(), 720U);
+  EXPECT_EQ(parts[dense->IndexOf({1, 0, 7})], 40U);
+  EXPECT_EQ(parts[dense->IndexOf({0, 0, 7})], 0U);
 }
 
 TEST(Dense, LeavesOutVoxelsOutsideOfTheBox) {
   const auto dense = ToDense(Four(), IndexBox{{-6, -8, 1}, {-5, -7, 3}});
   ASSERT_TRUE(dense.ok()) << dense.status();
   EXPECT_THAT(dense->voxels, ElementsAre(1, 0));
-  EXPECT_EQ(dense->distances[0], 0);
-  EXPECT_THAT(dense->attributes, ElementsAre(30, 31, 0, 0));
+  EXPECT_EQ(dense->fields[0].As<float>()[0], 0);
+  EXPECT_THAT(dense->fields[1].As<uint32_t>(), ElementsAre(30, 0));
 }
 
 TEST(Dense, OfNothingIsEmpty) {

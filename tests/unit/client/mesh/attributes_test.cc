@@ -26,7 +26,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 // Returns the numbers of all triangles' first corners.
-std::vector<uint32_t> NumbersOf(const Mesh& mesh, Attribute attribute) {
+std::vector<uint32_t> NumbersOf(const Mesh& mesh, Field attribute) {
   EXPECT_EQ(CheckHas({attribute}, mesh), absl::OkStatus());
   std::vector<uint32_t> numbers;
   AttributeNumbers of_mesh(mesh);
@@ -36,9 +36,7 @@ std::vector<uint32_t> NumbersOf(const Mesh& mesh, Attribute attribute) {
   return numbers;
 }
 
-std::string Refusal(Attribute attribute, const Mesh& mesh) {
-  return std::string(CheckHas({attribute}, mesh).message());
-}
+std::string Refusal(Field attribute, const Mesh& mesh) { return std::string(CheckHas({attribute}, mesh).message()); }
 
 constexpr char kObj[] =
     "v 0 0 0 1 0 0\nv 1 0 0 0 0.5 0\nv 0 1 0 0 0 1\nv 0 0 1 1 1 1\n"
@@ -46,21 +44,21 @@ constexpr char kObj[] =
 
 TEST(MeshAttributes, OfObjAreItsObjectsMaterialsAndVertexColors) {
   const Mesh mesh = ParseObj(kObj).value();
-  EXPECT_THAT(NumbersOf(mesh, Attribute::kPart), ElementsAre(0, 0, 1, 1));
-  EXPECT_THAT(NumbersOf(mesh, Attribute::kMaterial), ElementsAre(0, 1, 1, 0));
-  EXPECT_THAT(NumbersOf(mesh, Attribute::kColor), ElementsAre(0xFF0000, 0x008000, 0x0000FF, 0xFFFFFF));
+  EXPECT_THAT(NumbersOf(mesh, Field::kPart), ElementsAre(0, 0, 1, 1));
+  EXPECT_THAT(NumbersOf(mesh, Field::kMaterial), ElementsAre(0, 1, 1, 0));
+  EXPECT_THAT(NumbersOf(mesh, Field::kColor), ElementsAre(0xFF0000, 0x008000, 0x0000FF, 0xFFFFFF));
 }
 
 TEST(MeshAttributes, ThatSomeOfAnObjLacksAreMissed) {
   const Mesh late = ParseObj("v 0 0 0\nv 1 0 0 1 1 1\nv 0 1 0 1 1 1\nf 1 2 3\nusemtl a\nf 3 2 1\n").value();
-  EXPECT_THAT(Refusal(Attribute::kMaterial, late), HasSubstr("has no material"));
-  EXPECT_THAT(NumbersOf(late, Attribute::kPart), ElementsAre(0, 0));
+  EXPECT_THAT(Refusal(Field::kMaterial, late), HasSubstr("has no material"));
+  EXPECT_THAT(NumbersOf(late, Field::kPart), ElementsAre(0, 0));
   // A weight, numbers below 0, and a comment are not colors.
   for (const char* more : {" 1", " -1 0 0", " # 1 1 1", " 1 1", " 1 1 x"}) {
     const std::string v = std::string(more) + "\n";
     const auto mesh = ParseObj("v 0 0 0" + v + "v 1 0 0" + v + "v 0 1 0" + v + "f 1 2 3\n");
     ASSERT_TRUE(mesh.ok()) << mesh.status();
-    EXPECT_THAT(Refusal(Attribute::kColor, *mesh), HasSubstr("has no color")) << more;
+    EXPECT_THAT(Refusal(Field::kColor, *mesh), HasSubstr("has no color")) << more;
   }
 }
 
@@ -82,7 +80,7 @@ TEST(MeshAttributes, OfPlyAreColorsAsBytesWhateverTheirType) {
     ASSERT_TRUE(mesh.ok()) << mesh.status();
     EXPECT_EQ(mesh->positions[1], (Vec3d{1, 0, 0}));
     EXPECT_THAT(mesh->colors, ElementsAre(Color{1, 2, 255}, Color{0, 1, 0}, Color{1, 0, 1}));
-    EXPECT_THAT(Refusal(Attribute::kMaterial, *mesh), EndsWith("has no material"));
+    EXPECT_THAT(Refusal(Field::kMaterial, *mesh), EndsWith("has no material"));
     for (const char* type : {"float", "double"}) {
       const auto floats = ColoredPly(type, names, {"0.5", "0.0038", "1.0"});
       ASSERT_TRUE(floats.ok()) << floats.status();
@@ -96,7 +94,7 @@ TEST(MeshAttributes, OfPlyThatAreNoColorsAreMissedForAReason) {
   const auto refusal = [](const std::string& type, const std::array<std::string, 3>& names,
                           const std::array<std::string, 3>& first, const std::string& more = "") {
     const auto mesh = ColoredPly(type, names, first, more);
-    return mesh.ok() ? Refusal(Attribute::kColor, *mesh) : mesh.status().ToString();
+    return mesh.ok() ? Refusal(Field::kColor, *mesh) : mesh.status().ToString();
   };
   const std::array<std::string, 3> names{"red", "green", "blue"};
   EXPECT_THAT(refusal("float", names, {"0", "128", "0"}),
@@ -126,13 +124,13 @@ TEST(MeshAttributes, OfPlyMayBeColorsOfFaces) {
   const std::string faces = "255 3 0 1 2 0 0\n0 4 0 1 2 3 128 0\n0 3 2 1 0 0 7\n";
   const auto mesh = PlyOfColoredFaces("property int a\nproperty int b\nproperty int c\n", faces);
   ASSERT_TRUE(mesh.ok()) << mesh.status();
-  EXPECT_THAT(NumbersOf(*mesh, Attribute::kColor), ElementsAre(0xFF0000, 0x008000, 0x008000, 0x000007));
+  EXPECT_THAT(NumbersOf(*mesh, Field::kColor), ElementsAre(0xFF0000, 0x008000, 0x008000, 0x000007));
   EXPECT_THAT(mesh->warnings, IsEmpty());
   EXPECT_EQ(mesh->positions[mesh->triangles[3][0]], (Vec3d{1, 1, 0}));
   // Those of vertices count.
   const auto both = PlyOfColoredFaces("property uchar red\nproperty uchar green\nproperty uchar blue\n", faces);
   ASSERT_TRUE(both.ok()) << both.status();
-  EXPECT_THAT(NumbersOf(*both, Attribute::kColor), Each(0x010203));
+  EXPECT_THAT(NumbersOf(*both, Field::kColor), Each(0x010203));
   ASSERT_EQ(both->warnings.size(), 1u);
   EXPECT_EQ(both->warnings[0].code, "IGNORED_COLOR");
 }
@@ -141,7 +139,7 @@ TEST(MeshAttributes, OfBrokenFacesOfPlyAreLeftOutWithThem) {
   const std::string more = "property int a\nproperty int b\nproperty int c\n";
   const auto mesh = PlyOfColoredFaces(more, "255 3 0 1 2 0 0\n9 3 0 1 7 9 9\n0 3 2 1 0 0 7\n", {.skip_bad = true});
   ASSERT_TRUE(mesh.ok()) << mesh.status();
-  EXPECT_THAT(NumbersOf(*mesh, Attribute::kColor), ElementsAre(0xFF0000, 0x000007));
+  EXPECT_THAT(NumbersOf(*mesh, Field::kColor), ElementsAre(0xFF0000, 0x000007));
 }
 
 // Strips have no colors, wherever they stand.
@@ -158,7 +156,7 @@ TEST(MeshAttributes, OfPlyWithStripsBesideColoredFacesAreWhiteThere) {
     const auto mesh = ParsePly(head + (first ? strips + faces : faces + strips) + vertices +
                                (first ? "3 0 1 2\n3 1 2 3 9 8 7\n" : "3 1 2 3 9 8 7\n3 0 1 2\n"));
     ASSERT_TRUE(mesh.ok()) << mesh.status();
-    EXPECT_THAT(NumbersOf(*mesh, Attribute::kColor),
+    EXPECT_THAT(NumbersOf(*mesh, Field::kColor),
                 first ? ElementsAre(0xFFFFFF, 0x090807) : ElementsAre(0x090807, 0xFFFFFF));
     ASSERT_EQ(mesh->warnings.size(), 1u);
     EXPECT_EQ(mesh->warnings[0].message, "1 of 2 triangles have no color, and are white");
@@ -169,7 +167,7 @@ TEST(MeshAttributes, OfStlAreItsSolids) {
   const std::string facet = "facet normal 0 0 0 outer loop vertex 0 0 0 vertex 1 0 0 vertex 0 1 0 endloop endfacet\n";
   const auto mesh = ParseStl("solid a\n" + facet + facet + "endsolid a\nsolid b\n" + facet + "endsolid b\n");
   ASSERT_TRUE(mesh.ok()) << mesh.status();
-  EXPECT_THAT(NumbersOf(*mesh, Attribute::kPart), ElementsAre(0, 0, 1));
+  EXPECT_THAT(NumbersOf(*mesh, Field::kPart), ElementsAre(0, 0, 1));
 }
 
 // Two nodes with one mesh of two primitives, and vertex colors as floats.
@@ -187,8 +185,8 @@ TEST(MeshAttributes, OfGltfAreNodesMaterialsAndVertexColors) {
           buffer + "\"}]}",
       "");
   ASSERT_TRUE(mesh.ok()) << mesh.status();
-  EXPECT_THAT(NumbersOf(*mesh, Attribute::kPart), ElementsAre(0, 0, 1, 1));
-  EXPECT_THAT(NumbersOf(*mesh, Attribute::kMaterial), ElementsAre(0, 1, 0, 1));
+  EXPECT_THAT(NumbersOf(*mesh, Field::kPart), ElementsAre(0, 0, 1, 1));
+  EXPECT_THAT(NumbersOf(*mesh, Field::kMaterial), ElementsAre(0, 1, 0, 1));
   ASSERT_EQ(mesh->colors.size(), mesh->positions.size());
   EXPECT_EQ(mesh->colors[1], (Color{255, 0, 0}));
   EXPECT_EQ(mesh->colors[2], (Color{0, 255, 0}));
@@ -199,20 +197,20 @@ TEST(MeshAttributes, OfSeveralMeshesAreNumberedOn) {
   const Mesh plain = ParseObj("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").value();
   Mesh joined;
   for (const Mesh& mesh : {plain, obj, obj}) ASSERT_TRUE(Append(mesh, kIdentity, joined).ok());
-  EXPECT_THAT(NumbersOf(joined, Attribute::kPart), ElementsAre(0, 1, 1, 2, 2, 3, 3, 4, 4));
-  EXPECT_THAT(Refusal(Attribute::kColor, joined), HasSubstr("has no color"));
-  EXPECT_THAT(Refusal(Attribute::kMaterial, joined), HasSubstr("has no material"));
+  EXPECT_THAT(NumbersOf(joined, Field::kPart), ElementsAre(0, 1, 1, 2, 2, 3, 3, 4, 4));
+  EXPECT_THAT(Refusal(Field::kColor, joined), HasSubstr("has no color"));
+  EXPECT_THAT(Refusal(Field::kMaterial, joined), HasSubstr("has no material"));
   Mesh both;
   for (const Mesh& mesh : {obj, obj}) ASSERT_TRUE(Append(mesh, kIdentity, both).ok());
-  EXPECT_THAT(NumbersOf(both, Attribute::kMaterial), ElementsAre(0, 1, 1, 0, 2, 3, 3, 2));
-  EXPECT_EQ(NumbersOf(both, Attribute::kColor)[6], 0x0000FFU);
+  EXPECT_THAT(NumbersOf(both, Field::kMaterial), ElementsAre(0, 1, 1, 0, 2, 3, 3, 2));
+  EXPECT_EQ(NumbersOf(both, Field::kColor)[6], 0x0000FFU);
 }
 
 // Draco's decoder finds each part with its six corners, and only colors of the mesh.
 TEST(EncodedAttributes, EqualThoseOfTheMeshAndSplitNoPointNeedlessly) {
   const Mesh mesh = ParseObj(kObj).value();
   for (const int bits : {0, 14}) {
-    const auto encoded = EncodeMesh(mesh, bits, {Attribute::kColor, Attribute::kPart, Attribute::kMaterial});
+    const auto encoded = EncodeMesh(mesh, bits, {Field::kColor, Field::kPart, Field::kMaterial});
     ASSERT_TRUE(encoded.ok()) << encoded.status();
     draco::DecoderBuffer buffer;
     buffer.Init(encoded->drc.data(), encoded->drc.size());
@@ -242,7 +240,7 @@ TEST(EncodedAttributes, EqualThoseOfTheMeshAndSplitNoPointNeedlessly) {
   const auto plain = EncodeMesh(mesh, 0);
   ASSERT_TRUE(plain.ok()) << plain.status();
   EXPECT_EQ(plain->drc, EncodeMesh(ParseObj(kObj).value(), 0, {})->drc);
-  EXPECT_LT(plain->drc.size(), EncodeMesh(mesh, 0, {Attribute::kColor})->drc.size());
+  EXPECT_LT(plain->drc.size(), EncodeMesh(mesh, 0, {Field::kColor})->drc.size());
 }
 
 }  // namespace

@@ -170,23 +170,23 @@ TEST(EncodeRawMesh, ArraysAreFloatsWhereTheyAreExactAndDoublesElsewhere) {
 
 TEST(EncodeRawMesh, AVertexOfTwoPartsBecomesTwo) {
   const TriangleMesh mesh{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 1, 2}, {1, 0, 2}}, /*parts=*/{3, 5}};
-  const auto raw = EncodeRawMesh(mesh, {Attribute::kPart});
+  const auto raw = EncodeRawMesh(mesh, {Field::kPart});
   ASSERT_TRUE(raw.ok()) << raw.status();
-  EXPECT_EQ(raw->layout, (RawMeshLayout{6, 2, false, {Attribute::kPart}}));
+  EXPECT_EQ(raw->layout, (RawMeshLayout{6, 2, false, {Field::kPart}}));
   std::array<uint32_t, 12> numbers;  // two triangles, six parts
   std::memcpy(numbers.data(), raw->bytes.data() + 6 * 12, sizeof(numbers));
   EXPECT_EQ(numbers, (std::array<uint32_t, 12>{0, 1, 2, 3, 4, 5, 3, 3, 3, 5, 5, 5}));
 }
 
 TEST(EncodeRawMesh, NamesWhatIsWrong) {
-  const auto refusal = [](const TriangleMesh& mesh, const std::vector<Attribute>& attributes) {
+  const auto refusal = [](const TriangleMesh& mesh, const std::vector<Field>& attributes) {
     return std::string(EncodeRawMesh(mesh, attributes).status().message());
   };
   const TriangleMesh good{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 1, 2}}};
   EXPECT_EQ(refusal({good.positions, {}}, {}), "the mesh has no triangles");
   EXPECT_EQ(refusal({good.positions, {{0, 1, 3}}}, {}), "triangles[0]: index 3 is not below 3, the positions");
   EXPECT_EQ(refusal({{{1, 0, 0}, {0, NAN, 0}, {0, 0, 1}}, {{0, 1, 2}}}, {}), "positions[1]: nan is not finite");
-  EXPECT_EQ(refusal(good, {Attribute::kColor}), "the mesh, or some of it, has no color");
+  EXPECT_EQ(refusal(good, {Field::kColor}), "the mesh, or some of it, has no color");
   EXPECT_EQ(refusal({{{1e300, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 1, 2}}}, {}), "");
 }
 

@@ -258,7 +258,7 @@ TEST(GltfFile, ContainersHaveOneBinaryChunkAndMayHaveOthers) {
 // Positions and colors have the ids of the stream, which are their indices in it.
 TEST(GltfFile, DracoStreamsAreDecoded) {
   const Mesh quad = ParseObj("v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0 0 0 1\nv 1 1 0 1 1 0\nf 1 2 3\nf 3 2 4\n").value();
-  const std::string drc = EncodeMesh(quad, 0, {Attribute::kColor}).value().drc;
+  const std::string drc = EncodeMesh(quad, 0, {Field::kColor}).value().drc;
   SortedJson document = Document(drc);
   SortedJson& primitive = document["meshes"][0]["primitives"][0];
   primitive["extensions"]["KHR_draco_mesh_compression"] = {{"bufferView", 2},

@@ -148,7 +148,7 @@ TEST(DracoFile, HasTheColorsOfItsVertices) {
   const Mesh mesh{.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}},
                   .triangles = {{0, 1, 2}},
                   .colors = {{255, 0, 0}, {0, 100, 0}, {1, 2, 3}}};
-  const auto read = ParseDraco(EncodeMesh(mesh, 0, {Attribute::kColor}).value().drc);
+  const auto read = ParseDraco(EncodeMesh(mesh, 0, {Field::kColor}).value().drc);
   ASSERT_TRUE(read.ok()) << read.status();
   ASSERT_EQ(read->colors.size(), 3u);
   for (size_t n = 0; n < 3; ++n) {

@@ -124,7 +124,7 @@ TEST_F(MeshFile, OfGarbageIsRefusedInPrintableWords) {
 
 TEST_F(MeshFile, IsEncodedWithItsAttributesAsTheToolEncodesIt) {
   const Mesh read = ReadMesh(Write("same.obj", kObj)).value();
-  const std::vector<Attribute> attributes{Attribute::kColor, Attribute::kMaterial, Attribute::kPart};
+  const std::vector<Field> attributes{Field::kColor, Field::kMaterial, Field::kPart};
   for (const int bits : {0, 12}) {
     EXPECT_EQ(EncodeMesh(Colored(), {.quantization_bits = bits}).value(), EncodeMesh(read, bits)->drc);
     EXPECT_EQ(EncodeMesh(Colored(), {attributes, bits}).value(), EncodeMesh(read, bits, attributes)->drc);
@@ -148,10 +148,9 @@ TEST_F(MeshFile, ThatAProgramChangedWronglyIsRefused) {
   EXPECT_EQ(refusal([](TriangleMesh& m) { m.parts = {0, 2, 1}; }), "parts[2]: 1 is below 2, the part before");
   EXPECT_EQ(refusal([](TriangleMesh& m) { m.materials.push_back(7); }), "materials: 4 values for 3 triangles");
   EXPECT_EQ(refusal([](TriangleMesh& m) { m.colors.pop_back(); }), "colors: 2 values for 3 positions");
-  EXPECT_THAT(refusal([](TriangleMesh& m) { m.colors.clear(); }, {.attributes = {Attribute::kColor}}),
+  EXPECT_THAT(refusal([](TriangleMesh& m) { m.colors.clear(); }, {.fields = {Field::kColor}}),
               HasSubstr("has no color"));
-  EXPECT_EQ(refusal([](TriangleMesh&) {}, {.attributes = {Attribute::kPart, Attribute::kPart}}),
-            "attributes: part is named twice");
+  EXPECT_EQ(refusal([](TriangleMesh&) {}, {.fields = {Field::kPart, Field::kPart}}), "fields: part is named twice");
   EXPECT_EQ(refusal([](TriangleMesh&) {}, {.quantization_bits = 31}), "quantization_bits: 31 is not within 0 to 30");
 }
 

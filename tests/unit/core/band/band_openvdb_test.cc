@@ -8,6 +8,7 @@
 #include "client/grid/openvdb_trees.h"
 #include "core/snap/snap.h"
 #include "tests/unit/core/exact.h"
+#include "tests/unit/core/fields.h"
 #include "tests/unit/core/sphere.h"
 
 namespace latvox {
@@ -29,17 +30,11 @@ openvdb::FloatGrid::Ptr LevelSetOf(const TriangleMesh& mesh) {
 
 openvdb::FloatGrid::Ptr BandOf(const TriangleMesh& mesh) {
   const Grid grid = Unscaled(Lattice::Named(NamedLattice::kCartesian));
-  const Result result = Voxelize(mesh, grid, {.band = Band{.width = kWidth, .is_signed = true}});
+  const Result result =
+      Voxelize(mesh, grid, {.set = Band{.width = kWidth}, .fields = {Field::kDistance}, .signed_distance = true});
   auto out = openvdb::FloatGrid::create(kWidth);
-  for (const TileBricks& tile : result.tiles) {
-    size_t n = 0;
-    for (const Brick& brick : tile.bricks) {
-      for (int32_t bit = 0; bit < 512; ++bit) {
-        if (!(brick.mask[static_cast<size_t>(bit >> 6)] >> (bit & 63) & 1)) continue;
-        const Vec3i ijk = brick.brick_ijk * kBrickSide + Vec3i{bit >> 6, bit >> 3 & 7, bit & 7};
-        out->tree().setValueOn({ijk[0], ijk[1], ijk[2]}, tile.values[n++]);
-      }
-    }
+  for (const auto& [ijk, distance] : DistancesOf(result.tiles)) {
+    out->tree().setValueOn({ijk[0], ijk[1], ijk[2]}, distance);
   }
   return out;
 }

@@ -13,6 +13,7 @@
 #include "core/voxelizer/estimate.h"
 #include "tests/unit/core/distance.h"
 #include "tests/unit/core/exact.h"
+#include "tests/unit/core/fields.h"
 #include "tests/unit/core/sphere.h"
 
 namespace latvox {
@@ -21,20 +22,11 @@ namespace {
 using testing::HasSubstr;
 using Values = std::map<Vec3i, float>;
 
-Values ValuesOf(const Result& result) {
-  Values values;
-  for (const TileBricks& tile : result.tiles) {
-    size_t n = 0;
-    for (const Brick& brick : tile.bricks) {
-      for (int32_t bit = 0; bit < 512; ++bit) {
-        if (!(brick.mask[static_cast<size_t>(bit >> 6)] >> (bit & 63) & 1)) continue;
-        values[brick.brick_ijk * kBrickSide + Vec3i{bit >> 6, bit >> 3 & 7, bit & 7}] = tile.values.at(n++);
-      }
-    }
-    EXPECT_EQ(n, tile.values.size());
-    EXPECT_EQ(n, tile.voxels);
-  }
-  return values;
+Values ValuesOf(const Result& result) { return DistancesOf(result.tiles); }
+
+// Asks for the band's distances.
+VoxelizeOptions With(const Band& band, bool is_signed = false) {
+  return {.set = band, .fields = {Field::kDistance}, .signed_distance = is_signed};
 }
 
 // Small triangles, and kinds that provoke errors: in a lattice plane, with equal corners, on a line, slivers.
@@ -59,7 +51,7 @@ void ExpectExactBand(const oracle::Mesh& shape, const Lattice& lattice, const Ba
   const TriangleMesh mesh = ToWorld(shape, lattice);
   const BandPlan plan = MakeBandPlan(band, lattice).value();
   const SnappedMesh snapped = Snap(mesh, lattice, {0, 0, 0}, plan.reach * 2).value();
-  Values values = ValuesOf(Voxelize(mesh, Unscaled(lattice), {.band = band}));
+  Values values = ValuesOf(Voxelize(mesh, Unscaled(lattice), With(band)));
   size_t found = 0;
   const IndexBox& box = snapped.box;
   for (int32_t i = box.min[0] - 1; i <= box.max[0]; ++i) {
@@ -78,7 +70,7 @@ void ExpectExactBand(const oracle::Mesh& shape, const Lattice& lattice, const Ba
         ++found;
         const long double exact =
             std::sqrt(least.convert_to<long double>() / static_cast<long double>(plan.metric.one)) *
-            static_cast<long double>(plan.unit);
+            static_cast<long double>(lattice.voxel_size() / kLatticeUnit);
         const float lower = std::nextafter(value->second, -1.0F), upper = std::nextafter(value->second, 1e30F);
         EXPECT_GE(value->second, 0);
         EXPECT_LT(lower, exact * (1 + 1e-15L) + 1e-30L);
@@ -158,7 +150,7 @@ TEST(Band, IsClosedAndTiesAreIn) {
   const Lattice lattice = Lattice::Named(NamedLattice::kCartesian).Scaled(0.1).value();
   const oracle::Mesh mesh{{oracle::Int3{0, 0, 0}, oracle::Int3{2048, 0, 0}, oracle::Int3{0, 2048, 0}}};
   for (const Band& band : {Band{.width = 0.3}, Band{.width = 3, .in_voxels = true}}) {
-    const Values values = ValuesOf(Voxelize(ToWorld(mesh, lattice), Unscaled(lattice), {.band = band}));
+    const Values values = ValuesOf(Voxelize(ToWorld(mesh, lattice), Unscaled(lattice), With(band)));
     EXPECT_EQ(values.at({2, 2, 3}), 0.3F);
     EXPECT_EQ(values.at({2, 2, -3}), 0.3F);
     EXPECT_EQ(values.at({2, 2, 0}), 0.0F);
@@ -166,7 +158,7 @@ TEST(Band, IsClosedAndTiesAreIn) {
     EXPECT_EQ(values.at({-3, 2, 0}), 0.3F);
     EXPECT_EQ(values.count({-3, 2, 1}), 0U);
   }
-  const Values below = ValuesOf(Voxelize(ToWorld(mesh, lattice), Unscaled(lattice), {.band = Band{.width = 0.29999}}));
+  const Values below = ValuesOf(Voxelize(ToWorld(mesh, lattice), Unscaled(lattice), With(Band{.width = 0.29999})));
   EXPECT_EQ(below.count({2, 2, 3}), 0U);
 }
 
@@ -180,7 +172,7 @@ TEST(Band, WhatLiesAtTheWidthIsInOnAnyLattice) {
     for (const Vec3i& v : {Vec3i{2, 0, 0}, Vec3i{0, 2, 0}, Vec3i{0, 0, 3}, Vec3i{1, -1, 0}, Vec3i{2, 1, -1}}) {
       const Vec3d world = Apply(lattice.basis(), ToDouble(v));
       const Band band{.width = std::sqrt(Dot(world, world))};
-      const Values values = ValuesOf(Voxelize(ToWorld(point, lattice), Unscaled(lattice), {.band = band}));
+      const Values values = ValuesOf(Voxelize(ToWorld(point, lattice), Unscaled(lattice), With(band)));
       EXPECT_EQ(values.count(v) + values.count(-v), 2U) << basis[0][0] << " width " << band.width;
     }
   }
@@ -189,7 +181,7 @@ TEST(Band, WhatLiesAtTheWidthIsInOnAnyLattice) {
       {oracle::Int3{-5120, -2560, 5120}, oracle::Int3{5120, -2560, 0}, oracle::Int3{0, 5120, -5120}}};
   for (const double width : {5 / 3.0, std::nextafter(5 / 3.0, 0.0)}) {  // of the plane x + 2y + 2z = 0
     const Values values =
-        ValuesOf(Voxelize(ToWorld(plane, cartesian), Unscaled(cartesian), {.band = Band{.width = width}}));
+        ValuesOf(Voxelize(ToWorld(plane, cartesian), Unscaled(cartesian), With(Band{.width = width})));
     EXPECT_EQ(values.count({1, 1, 1}), 1U);
     EXPECT_EQ(values.count({0, 2, 1}), 0U);
   }
@@ -219,9 +211,9 @@ TEST(SignedBand, IsNegativeWhereLinesOutCrossAnOddNumberOfTimes) {
   AddBox(-40 * 256, 30 * 256, mesh);
   AddBox(-20 * 256 + 77, 20 * 256, mesh);
   for (const Lattice& lattice : {Lattices()[0], Lattices()[4]}) {
-    const Band band{.width = 4, .in_voxels = true, .is_signed = true};
+    const Band band{.width = 4, .in_voxels = true};
     const Vec3i shift{64, 0, -64};
-    const Result result = Voxelize(ToWorld(mesh, lattice, shift), Unscaled(lattice), {.band = band});
+    const Result result = Voxelize(ToWorld(mesh, lattice, shift), Unscaled(lattice), With(band, true));
     for (const auto& [ijk, value] : ValuesOf(result)) {
       const Vec3i at = ijk - shift;
       const auto is_in = [&](double low, double high) {
@@ -256,7 +248,7 @@ TEST(SignedBand, FollowsAConcaveSurfaceThroughManyTiles) {
   const TriangleMesh mesh = Sphere(16, 70);
   for (const NamedLattice name : {NamedLattice::kBcc, NamedLattice::kHexagonal}) {
     const Lattice lattice = Lattice::Named(name);
-    const Values values = ValuesOf(Voxelize(mesh, Unscaled(lattice), {.band = Band{.width = 1.5, .is_signed = true}}));
+    const Values values = ValuesOf(Voxelize(mesh, Unscaled(lattice), With(Band{.width = 1.5}, true)));
     size_t n = 0, inside = 0;
     for (const auto& [ijk, value] : values) {
       if (n++ % 97 != 0 || std::abs(value) < 0.1F) continue;  // snapping moves the surface by less
@@ -270,8 +262,8 @@ TEST(SignedBand, FollowsAConcaveSurfaceThroughManyTiles) {
 TEST(SignedBand, HasTheDistancesOfTheUnsignedOne) {
   const TriangleMesh mesh = Sphere(10, 30);
   const Grid grid = Unscaled(Lattice::Named(NamedLattice::kFcc));
-  const Values plain = ValuesOf(Voxelize(mesh, grid, {.band = Band{.width = 3}}));
-  Values with_sign = ValuesOf(Voxelize(mesh, grid, {.band = Band{.width = 3, .is_signed = true}}));
+  const Values plain = ValuesOf(Voxelize(mesh, grid, With(Band{.width = 3})));
+  Values with_sign = ValuesOf(Voxelize(mesh, grid, With(Band{.width = 3}, true)));
   for (auto& [ijk, value] : with_sign) value = std::abs(value);
   EXPECT_EQ(with_sign, plain);
 }
@@ -279,42 +271,47 @@ TEST(SignedBand, HasTheDistancesOfTheUnsignedOne) {
 TEST(Band, IsTheSameForAnyThreadsAndOrderAndPartsAddUp) {
   TriangleMesh mesh = Sphere(20, 60);
   const Grid grid = Unscaled(Lattice::Named(NamedLattice::kBcc));
-  const Band band{.width = 2.5, .in_voxels = true, .is_signed = true};
-  const Result whole = Voxelize(mesh, grid, {.band = band});
+  const Band band{.width = 2.5, .in_voxels = true};
+  const Result whole = Voxelize(mesh, grid, With(band, true));
   const Values values = ValuesOf(whole);
 
   std::shuffle(mesh.triangles.begin(), mesh.triangles.end(), std::mt19937(3));
-  EXPECT_EQ(Voxelize(mesh, grid, {.band = band}, 1).totals.values, whole.totals.values);
+  EXPECT_EQ(Voxelize(mesh, grid, With(band, true), 1).totals.fields, whole.totals.fields);
 
   Digest sum;
   Values joined;
   for (uint32_t index = 0; index < 3; ++index) {
-    const Result part = Voxelize(mesh, grid, {.shard = Shard{index, 3}, .band = band});
-    sum.Add(part.totals.values);
+    const Result part = Voxelize(
+        mesh, grid, {.shard = Shard{index, 3}, .set = band, .fields = {Field::kDistance}, .signed_distance = true});
+    sum.Add(part.totals.fields.at(0));
     joined.merge(ValuesOf(part));
   }
-  EXPECT_EQ(sum, whole.totals.values);
+  EXPECT_EQ(sum, whole.totals.fields.at(0));
   EXPECT_EQ(joined, values);
 
   const IndexBox region{{-30, -5, 7}, {33, 70, 41}};
   Values in_region;
   std::copy_if(values.begin(), values.end(), std::inserter(in_region, in_region.end()),
                [&](const auto& value) { return region.Contains(value.first); });
-  EXPECT_EQ(ValuesOf(Voxelize(mesh, grid, {.region = region, .band = band})), in_region);
+  EXPECT_EQ(ValuesOf(Voxelize(mesh, grid,
+                              {.region = region, .set = band, .fields = {Field::kDistance}, .signed_distance = true})),
+            in_region);
 
   const size_t half = whole.tiles.size() / 2;
-  const Result rest = Voxelize(mesh, grid, {.resume_after = whole.tiles[half].tile_ijk, .band = band});
+  const Result rest = Voxelize(
+      mesh, grid,
+      {.resume_after = whole.tiles[half].tile_ijk, .set = band, .fields = {Field::kDistance}, .signed_distance = true});
   EXPECT_EQ(rest.tiles.size(), whole.tiles.size() - half - 1);
-  EXPECT_EQ(rest.tiles.front().values, whole.tiles[half + 1].values);
+  EXPECT_EQ(rest.tiles.front().fields, whole.tiles[half + 1].fields);
 }
 
 TEST(Band, DigestTellsOtherValuesAndNoOtherVoxelsApart) {
   const TriangleMesh mesh = Sphere(10, 20);
   const Grid grid = Unscaled(Lattice::Named(NamedLattice::kCartesian));
-  const JobTotals plain = Voxelize(mesh, grid, {.band = Band{.width = 2}}).totals;
-  const JobTotals with_sign = Voxelize(mesh, grid, {.band = Band{.width = 2, .is_signed = true}}).totals;
+  const JobTotals plain = Voxelize(mesh, grid, With(Band{.width = 2})).totals;
+  const JobTotals with_sign = Voxelize(mesh, grid, With(Band{.width = 2}, true)).totals;
   EXPECT_EQ(plain.digest, with_sign.digest);
-  EXPECT_NE(plain.values, with_sign.values);
+  EXPECT_NE(plain.fields, with_sign.fields);
 }
 
 TEST(Band, IsEstimatedFromTheAreaAndTheWidth) {
@@ -322,7 +319,7 @@ TEST(Band, IsEstimatedFromTheAreaAndTheWidth) {
   for (const NamedLattice name : {NamedLattice::kCartesian, NamedLattice::kBcc}) {
     const Grid grid = Unscaled(Lattice::Named(name));
     for (const double width : {1.0, 3.0}) {
-      const VoxelizeOptions options{.band = Band{.width = width}};
+      const VoxelizeOptions options = With(Band{.width = width});
       const auto voxels = static_cast<double>(Voxelize(mesh, grid, options).totals.voxels);
       const double estimate = EstimateVoxels(mesh, ExtentOf(mesh), grid, *MakeRequest(options));
       EXPECT_NEAR(estimate, voxels, 0.1 * voxels);
@@ -341,21 +338,20 @@ TEST(Band, RefusesWhatItCannotBe) {
     EXPECT_EQ(job.status().code(), absl::StatusCode::kInvalidArgument);
     return std::string(job.status().message());
   };
-  EXPECT_THAT(refusal(open, grid, {.band = Band{.width = 1, .is_signed = true}}), HasSubstr("closed"));
-  EXPECT_THAT(refusal(closed, grid, {.separability = 2, .band = Band{.width = 1}}),
+  EXPECT_THAT(refusal(open, grid, With(Band{.width = 1}, true)), HasSubstr("closed"));
+  EXPECT_THAT(refusal(closed, grid, {.separability = 2, .set = Band{.width = 1}}),
               HasSubstr("separability 2: not together with band"));
-  EXPECT_THAT(refusal(closed, grid, {.algorithm = Algorithm::kIncremental, .band = Band{.width = 1}}),
+  EXPECT_THAT(refusal(closed, grid, {.algorithm = Algorithm::kIncremental, .set = Band{.width = 1}}),
               HasSubstr("incremental"));
   for (const double width : {0.0, -1.0, std::nan("")}) {
-    EXPECT_THAT(refusal(closed, grid, {.band = Band{.width = width}}), HasSubstr("is not a finite number above 0"));
+    EXPECT_THAT(refusal(closed, grid, With(Band{.width = width})), HasSubstr("is not a finite number above 0"));
   }
   for (const double width : {1e300, 1e-300}) {
-    EXPECT_THAT(refusal(closed, grid, {.band = Band{.width = width}}), HasSubstr("band: a width of "));
+    EXPECT_THAT(refusal(closed, grid, With(Band{.width = width})), HasSubstr("band: a width of "));
   }
-  EXPECT_THAT(refusal(closed, grid, {.band = Band{.width = 257}}),
-              HasSubstr("257 voxels on lattice axis i, the limit"));
+  EXPECT_THAT(refusal(closed, grid, With(Band{.width = 257})), HasSubstr("257 voxels on lattice axis i, the limit"));
   const Lattice skew = Lattice::FromBasis({{{1000, 0, 0}, {0, 1000, 0}, {2000, 0, 1}}}).value();
-  EXPECT_THAT(refusal(closed, Unscaled(skew), {.band = Band{.width = 1}}), HasSubstr("too skew"));
+  EXPECT_THAT(refusal(closed, Unscaled(skew), With(Band{.width = 1})), HasSubstr("too skew"));
 }
 
 }  // namespace

@@ -76,13 +76,13 @@ TEST_F(ScanPoolTest, JobsGiveTheSameTilesWithWhatEarlierJobsHaveLeft) {
     for (const TriangleMesh& mesh : {Sphere(160, 14), Sphere(30, 150), Sphere(5, 90)}) {
       for (const int k : {0, 2}) cases.push_back({mesh, grid, {.separability = k}});
       for (const InteriorRule rule : {InteriorRule::kParity, InteriorRule::kWinding}) {
-        cases.push_back({mesh, grid, {.solid = Solid{.rule = rule}}});
+        cases.push_back({mesh, grid, {.set = Solid{.rule = rule}}});
       }
       TriangleMesh open = mesh;
       open.triangles.pop_back();
-      cases.push_back({open, grid, {.solid = Solid{.force_open = true}}});
+      cases.push_back({open, grid, {.set = Solid{.force_open = true}}});
       cases.push_back({mesh, grid, {.minimal = false}});
-      cases.push_back({mesh, grid, {.cover = Cover::kSupercover}});
+      cases.push_back({mesh, grid, {.set = SupercoverSurface{}}});
     }
   }
   const auto digest = [](const Case& c) { return Voxelize(c.mesh, c.grid, c.options, 2).totals.digest; };

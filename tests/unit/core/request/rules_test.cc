@@ -46,22 +46,24 @@ TEST(Rules, NameFieldValueAndLimitOfAValue) {
             (Words{"shard.count 0 is not within 1 to 1048576", "shard.count", "0", "1048576"}));
   EXPECT_EQ(RefusalOf({.shard = Shard{3, 3}}),
             (Words{"shard.index 3 is not below shard.count 3", "shard.index", "3", "2"}));
-  EXPECT_EQ(RefusalOf({.band = Band{0, true}}),
+  EXPECT_EQ(RefusalOf({.set = Band{0, true}}),
             (Words{"band.voxels 0 is not a finite number above 0", "band.voxels", "0", "0"}));
-  EXPECT_EQ(RefusalOf({.band = Band{NAN, false}}),
+  EXPECT_EQ(RefusalOf({.set = Band{NAN, false}}),
             (Words{"band.width nan is not a finite number above 0", "band.width", "nan", "0"}));
+  EXPECT_EQ(RefusalOf({.fields = {Field::kNormal}, .signed_distance = true}),
+            (Words{"signed_distance true: needs distance among fields", "signed_distance", "true", ""}));
 }
 
 TEST(Rules, SayWhichTwoOptionsDoNotGoTogether) {
   using Words = std::vector<std::string>;
-  EXPECT_EQ(RefusalOf({.minimal = true, .cover = Cover::kSupercover}),
-            (Words{"minimal: not together with cover supercover, which is not thinned", "minimal", "", ""}));
-  EXPECT_EQ(RefusalOf({.solid = Solid{}, .band = Band{1, true}}),
-            (Words{"band: not together with fill.mode solid", "band", "", ""}));
+  EXPECT_EQ(RefusalOf({.minimal = true, .set = SupercoverSurface{}}),
+            (Words{"minimal: not together with supercover, which is not thinned", "minimal", "", ""}));
+  EXPECT_EQ(RefusalOf({.minimal = true, .set = Solid{.surface = SolidSurface::kSupercover}}),
+            (Words{"minimal: not together with solid.surface supercover, which is not thinned", "minimal", "", ""}));
   EXPECT_EQ(RefusalOf({.algorithm = Algorithm::kBruteForce, .fields = {Field::kPart}}),
-            (Words{"attributes: not together with algorithm brute-force", "attributes", "", ""}));
-  EXPECT_EQ(RefusalOf({.separability = 2, .solid = Solid{.surface = false}}),
-            (Words{"separability 2: not together with fill.surface false, which has no voxels of the surface",
+            (Words{"fields: not together with algorithm brute-force", "fields", "", ""}));
+  EXPECT_EQ(RefusalOf({.separability = 2, .set = Solid{.surface = SolidSurface::kNone}}),
+            (Words{"separability 2: not together with solid.surface none, which has no voxels of the surface",
                    "separability", "2", ""}));
 }
 
@@ -92,23 +94,23 @@ TEST(MakeRequest, ThinsWhereverThatIsPossible) {
   const auto is_minimal = [](const VoxelizeOptions& options) { return MakeRequest(options)->is_minimal(); };
   EXPECT_TRUE(is_minimal({}));
   EXPECT_TRUE(is_minimal({.minimal = true}));
-  EXPECT_TRUE(is_minimal({.solid = Solid{}}));
+  EXPECT_TRUE(is_minimal({.set = Solid{}}));
   EXPECT_FALSE(is_minimal({.minimal = false}));
   EXPECT_FALSE(is_minimal({.algorithm = Algorithm::kIncremental}));
-  EXPECT_FALSE(is_minimal({.cover = Cover::kSupercover}));
-  EXPECT_FALSE(is_minimal({.band = Band{1, true}}));
+  EXPECT_FALSE(is_minimal({.set = SupercoverSurface{}}));
+  EXPECT_FALSE(is_minimal({.set = Band{1, true}}));
 }
 
 TEST(MakeRequest, PutsEachSetIntoItsAlternative) {
   const VoxelRequest surface = *MakeRequest({.algorithm = Algorithm::kBruteForce});
   EXPECT_TRUE(surface.surface() != nullptr && surface.solid() == nullptr && surface.band() == nullptr);
   EXPECT_EQ(surface.algorithm(), Algorithm::kBruteForce);
-  const VoxelRequest solid = *MakeRequest({.solid = Solid{.force_open = true}, .cover = Cover::kSupercover});
+  const VoxelRequest solid = *MakeRequest({.set = Solid{.surface = SolidSurface::kSupercover, .force_open = true}});
   EXPECT_TRUE(solid.surface() != nullptr && solid.solid() != nullptr && solid.band() == nullptr);
   EXPECT_TRUE(solid.solid()->force_open && solid.is_supercover());
-  const VoxelRequest band = *MakeRequest({.band = Band{2, true, true}});
+  const VoxelRequest band = *MakeRequest({.set = Band{2, true}, .fields = {Field::kDistance}, .signed_distance = true});
   EXPECT_TRUE(band.surface() == nullptr && band.solid() == nullptr && band.band() != nullptr);
-  EXPECT_TRUE(band.band()->is_signed);
+  EXPECT_TRUE(band.signed_distance);
   EXPECT_EQ(band.algorithm(), Algorithm::kExact);
 }
 

@@ -117,7 +117,7 @@ std::vector<oracle::Mesh> RandomSolids() {
 }
 
 Result VoxelizeSolid(const TriangleMesh& mesh, const Lattice& lattice, const Solid& solid, int threads = 2) {
-  return Voxelize(mesh, Unscaled(lattice), {.solid = solid}, threads);
+  return Voxelize(mesh, Unscaled(lattice), {.set = solid}, threads);
 }
 
 class SolidOnLattice : public testing::TestWithParam<ExactLattice> {};
@@ -138,9 +138,9 @@ TEST_P(SolidOnLattice, EqualsTheOracleAlongEveryDirection) {
       for (const Vec3i& shift : {Vec3i{0, 0, 0}, Vec3i{62, 60, 61}, Vec3i{-68, 1022, -1}}) {
         for (const int threads : {1, 2}) {
           const TriangleMesh world = ToWorld(mesh, lattice, shift);
-          const Result solid = VoxelizeSolid(world, lattice, {rule, /*surface=*/false}, threads);
+          const Result solid = VoxelizeSolid(world, lattice, {rule, SolidSurface::kNone}, threads);
           ASSERT_EQ(VoxelsOf(solid, shift), expected.inside) << NameOf(rule) << shift[0];
-          const Result both = VoxelizeSolid(world, lattice, {rule, /*surface=*/true}, threads);
+          const Result both = VoxelizeSolid(world, lattice, {rule}, threads);
           auto all = VoxelsOf(Voxelize(world, Unscaled(lattice), {}), shift);
           all.insert(expected.inside.begin(), expected.inside.end());
           ASSERT_EQ(VoxelsOf(both, shift), all) << NameOf(rule) << shift[0];
@@ -159,10 +159,11 @@ TEST_P(SolidOnLattice, FillsMeshesThatAreNotClosedLineByLineIfForced) {
       const LineFill expected = FillAlong(mesh, {0, 0, 1}, rule);
       for (const Vec3i& shift : {Vec3i{0, 0, 0}, Vec3i{62, 60, 61}}) {
         const TriangleMesh world = ToWorld(mesh, lattice, shift);
-        auto job = VoxelizeJob::Create(world, Unscaled(lattice), {.solid = Solid{rule, false, true}});
+        auto job = VoxelizeJob::Create(world, Unscaled(lattice), {.set = Solid{rule, SolidSurface::kNone, true}});
         ASSERT_TRUE(job.ok() && (*job)->Prepare().ok());
         EXPECT_EQ((*job)->facts().unbalanced_lines, expected.unbalanced);
-        const Result solid = VoxelizeSolid(world, lattice, {rule, false, /*force_open=*/true});
+        const Result solid =
+            VoxelizeSolid(world, lattice, {.rule = rule, .surface = SolidSurface::kNone, .force_open = true});
         ASSERT_EQ(VoxelsOf(solid, shift), expected.inside) << NameOf(rule) << shift[0];
       }
     }
@@ -174,7 +175,8 @@ TEST_P(SolidOnLattice, OfACubeHasItsVolumeInVoxels) {
   const Lattice& lattice = GetParam().lattice;
   for (const int64_t n : {1, 7, 64, 70}) {
     for (const InteriorRule rule : kRules) {
-      const Result solid = VoxelizeSolid(ToWorld(Cube(n), lattice, {-3, 60, 0}), lattice, {rule, false});
+      const Result solid = VoxelizeSolid(ToWorld(Cube(n), lattice, {-3, 60, 0}), lattice,
+                                         {.rule = rule, .surface = SolidSurface::kNone});
       EXPECT_EQ(solid.totals.voxels, static_cast<uint64_t>(n * n * n));
     }
   }
@@ -186,9 +188,15 @@ TEST(InteriorRules, DifferWhereBodiesOverlap) {
   mesh.insert(mesh.end(), other.begin(), other.end());
   const Lattice lattice = Lattice::Named(NamedLattice::kCartesian);
   const TriangleMesh world = ToWorld(mesh, lattice);
-  EXPECT_EQ(VoxelizeSolid(world, lattice, {InteriorRule::kParity, false}).totals.voxels, 1000U);
-  EXPECT_EQ(VoxelizeSolid(world, lattice, {InteriorRule::kWinding, false}).totals.voxels, 1500U);
-  EXPECT_EQ(VoxelizeSolid(world, lattice, {InteriorRule::kPositive, false}).totals.voxels, 1500U);
+  EXPECT_EQ(
+      VoxelizeSolid(world, lattice, {.rule = InteriorRule::kParity, .surface = SolidSurface::kNone}).totals.voxels,
+      1000U);
+  EXPECT_EQ(
+      VoxelizeSolid(world, lattice, {.rule = InteriorRule::kWinding, .surface = SolidSurface::kNone}).totals.voxels,
+      1500U);
+  EXPECT_EQ(
+      VoxelizeSolid(world, lattice, {.rule = InteriorRule::kPositive, .surface = SolidSurface::kNone}).totals.voxels,
+      1500U);
 }
 
 TEST(InteriorRules, DifferWhereBodiesAreTurnedInsideOut) {
@@ -200,7 +208,7 @@ TEST(InteriorRules, DifferWhereBodiesAreTurnedInsideOut) {
   const Lattice lattice = Lattice::Named(NamedLattice::kCartesian);
   const auto count = [&](oracle::Mesh mesh, const oracle::Mesh& more, InteriorRule rule) {
     mesh.insert(mesh.end(), more.begin(), more.end());
-    return VoxelizeSolid(ToWorld(mesh, lattice), lattice, {rule, false}).totals.voxels;
+    return VoxelizeSolid(ToWorld(mesh, lattice), lattice, {.rule = rule, .surface = SolidSurface::kNone}).totals.voxels;
   };
   for (const InteriorRule rule : {InteriorRule::kAuto, InteriorRule::kWinding, InteriorRule::kPositive}) {
     EXPECT_EQ(count(outer, turned(inner), rule), 1000U - 64U) << NameOf(rule);  // a cavity
@@ -218,11 +226,12 @@ TEST(InteriorRules, AutoIsWindingForOrientedMeshesOtherwiseParity) {
   mesh.insert(mesh.end(), other.begin(), other.end());
   const auto check = [&](InteriorRule rule) {
     const TriangleMesh world = ToWorld(mesh, lattice);
-    auto job = VoxelizeJob::Create(world, Unscaled(lattice), {.solid = Solid{.surface = false}});
+    auto job = VoxelizeJob::Create(world, Unscaled(lattice), {.set = Solid{.surface = SolidSurface::kNone}});
     ASSERT_TRUE(job.ok() && (*job)->Prepare().ok());
     EXPECT_EQ((*job)->facts().interior_rule, rule);
-    EXPECT_EQ(VoxelizeSolid(world, lattice, {InteriorRule::kAuto, false}).totals.digest.ToHex(),
-              VoxelizeSolid(world, lattice, {rule, false}).totals.digest.ToHex());
+    EXPECT_EQ(VoxelizeSolid(world, lattice, {.rule = InteriorRule::kAuto, .surface = SolidSurface::kNone})
+                  .totals.digest.ToHex(),
+              VoxelizeSolid(world, lattice, {.rule = rule, .surface = SolidSurface::kNone}).totals.digest.ToHex());
   };
   check(InteriorRule::kWinding);
   std::swap(mesh[0][1], mesh[0][2]);
@@ -264,9 +273,12 @@ TEST(Balance, OfOneTriangleTheOtherWayRoundIsThatOfParityAlone) {
   EXPECT_EQ(CountUnbalancedLines(snapped, InteriorRule::kParity), 0U);
   const uint64_t lines = CountUnbalancedLines(snapped, InteriorRule::kWinding);
   EXPECT_TRUE(lines == 45 || lines == 55) << lines;
-  EXPECT_EQ(VoxelizeSolid(ToWorld(mesh, lattice), lattice, {InteriorRule::kParity, false}).totals.voxels, 1000U);
+  EXPECT_EQ(
+      VoxelizeSolid(ToWorld(mesh, lattice), lattice, {.rule = InteriorRule::kParity, .surface = SolidSurface::kNone})
+          .totals.voxels,
+      1000U);
   const auto job =
-      VoxelizeJob::Create(ToWorld(mesh, lattice), Unscaled(lattice), {.solid = Solid{.rule = InteriorRule::kWinding}});
+      VoxelizeJob::Create(ToWorld(mesh, lattice), Unscaled(lattice), {.set = Solid{.rule = InteriorRule::kWinding}});
   EXPECT_EQ((*job)->Prepare().message().substr(0, 67),
             "mesh: it is not closed with one orientation, as the rule winding as");
 }
@@ -275,14 +287,14 @@ TEST(Solids, OfMeshesThatAreNotClosedAreRefused) {
   const Lattice lattice = Lattice::Named(NamedLattice::kCartesian);
   oracle::Mesh mesh = Cube(10);
   mesh.erase(mesh.begin() + 2, mesh.begin() + 4);
-  auto job = VoxelizeJob::Create(ToWorld(mesh, lattice), Unscaled(lattice), {.solid = Solid{}});
+  auto job = VoxelizeJob::Create(ToWorld(mesh, lattice), Unscaled(lattice), {.set = Solid{}});
   ASSERT_TRUE(job.ok());
   for (const absl::Status& status : {(*job)->Prepare(), (*job)->Advance([](TileBricks&&) { return true; }).status()}) {
     EXPECT_EQ(status, absl::InvalidArgumentError("mesh: it is not closed, and 100 lattice lines along k end "
                                                  "unbalanced; force_open fills the others"));
   }
   EXPECT_FALSE(VoxelizeJob::Create(ToWorld(mesh, lattice), Unscaled(lattice),
-                                   {.algorithm = Algorithm::kBruteForce, .solid = Solid{}})
+                                   {.algorithm = Algorithm::kBruteForce, .set = Solid{}})
                    .ok());
 }
 
@@ -314,8 +326,8 @@ struct Part {
 };
 
 constexpr Part kParts[] = {{"all", NamedLattice::kBcc, {}},
-                           {"interior", NamedLattice::kHexagonal, {InteriorRule::kWinding, false}},
-                           {"forced", NamedLattice::kFcc, {InteriorRule::kParity, false, true}}};
+                           {"interior", NamedLattice::kHexagonal, {InteriorRule::kWinding, SolidSurface::kNone}},
+                           {"forced", NamedLattice::kFcc, {InteriorRule::kParity, SolidSurface::kNone, true}}};
 
 TriangleMesh MeshOf(const Part& part, float radius) {
   TriangleMesh mesh = Sphere(20, radius);
@@ -329,7 +341,7 @@ TEST(Solids, AreTheUnionOfTheirParts) {
     const TriangleMesh mesh = MeshOf(part, 130);
     const Grid grid = Unscaled(Lattice::Named(part.lattice));
     for (const auto& region : {std::optional<IndexBox>(), std::optional(IndexBox{{-30, -41, -70}, {65, 99, 40}})}) {
-      const VoxelizeOptions options{.region = region, .solid = part.solid};
+      const VoxelizeOptions options{.region = region, .set = part.solid};
       const Result whole = Voxelize(mesh, grid, options, 1);
       EXPECT_GT(whole.totals.voxels, 100000U) << part.name;
       EXPECT_EQ(Voxelize(mesh, grid, options, 3).totals.digest, whole.totals.digest) << part.name;
@@ -361,11 +373,11 @@ TEST(Solids, OfARegionAreTheWholesVoxelsInIt) {
   const IndexBox region{{-30, -41, -70}, {35, 99, 40}};
   for (const Part& part : kParts) {
     const Grid grid = Unscaled(Lattice::Named(part.lattice));
-    auto whole = VoxelsOf(Voxelize(MeshOf(part, 45), grid, {.solid = part.solid}));
+    auto whole = VoxelsOf(Voxelize(MeshOf(part, 45), grid, {.set = part.solid}));
     std::erase_if(whole, [&](const Int3& z) {
       return !region.Contains({static_cast<int32_t>(z[0]), static_cast<int32_t>(z[1]), static_cast<int32_t>(z[2])});
     });
-    EXPECT_EQ(VoxelsOf(Voxelize(MeshOf(part, 45), grid, {.region = region, .solid = part.solid})), whole) << part.name;
+    EXPECT_EQ(VoxelsOf(Voxelize(MeshOf(part, 45), grid, {.region = region, .set = part.solid})), whole) << part.name;
   }
 }
 
@@ -375,7 +387,7 @@ TEST(Solids, OfASmallRegionDeepInsideAreAllOfIt) {
   for (const Part& part : kParts) {
     if (part.solid.force_open) continue;
     const Result result =
-        Voxelize(MeshOf(part, 900), Unscaled(Lattice::Named(part.lattice)), {.region = region, .solid = part.solid});
+        Voxelize(MeshOf(part, 900), Unscaled(Lattice::Named(part.lattice)), {.region = region, .set = part.solid});
     EXPECT_EQ(result.totals.voxels, 729U) << part.name;
   }
 }
@@ -383,14 +395,14 @@ TEST(Solids, OfASmallRegionDeepInsideAreAllOfIt) {
 TEST(Solids, MayHaveASupercoverForSurface) {
   for (const Part& part : kParts) {
     const Grid grid = Unscaled(Lattice::Named(part.lattice));
-    if (!part.solid.surface) continue;  // the rules of a request exclude a cover here
-    Solid interior = part.solid;
-    interior.surface = false;
-    auto both = VoxelsOf(Voxelize(MeshOf(part, 45), grid, {.solid = interior}));
-    const auto cover = VoxelsOf(Voxelize(MeshOf(part, 45), grid, {.cover = Cover::kSupercover}));
+    if (part.solid.surface == SolidSurface::kNone) continue;
+    Solid interior = part.solid, solid = part.solid;
+    solid.surface = SolidSurface::kSupercover;
+    interior.surface = SolidSurface::kNone;
+    auto both = VoxelsOf(Voxelize(MeshOf(part, 45), grid, {.set = interior}));
+    const auto cover = VoxelsOf(Voxelize(MeshOf(part, 45), grid, {.set = SupercoverSurface{}}));
     both.insert(cover.begin(), cover.end());
-    EXPECT_EQ(VoxelsOf(Voxelize(MeshOf(part, 45), grid, {.solid = part.solid, .cover = Cover::kSupercover})), both)
-        << part.name;
+    EXPECT_EQ(VoxelsOf(Voxelize(MeshOf(part, 45), grid, {.set = solid})), both) << part.name;
   }
 }
 
@@ -399,7 +411,7 @@ TEST(Solids, AreTheSameForAllKernels) {
   std::set<std::string> digests;
   for (const Simd simd : SimdHere()) {
     const ForcedSimd forced(simd);
-    digests.insert(Voxelize(Sphere(200, 100), grid, {.solid = Solid{}}).totals.digest.ToHex());
+    digests.insert(Voxelize(Sphere(200, 100), grid, {.set = Solid{}}).totals.digest.ToHex());
   }
   EXPECT_EQ(digests.size(), 1U);
 }
@@ -407,7 +419,7 @@ TEST(Solids, AreTheSameForAllKernels) {
 TEST(Solids, ComeInCanonicalOrderWithProgress) {
   const Lattice lattice = Lattice::Named(NamedLattice::kCartesian);
   const TriangleMesh mesh = Sphere(10, 300);
-  const auto job = VoxelizeJob::Create(mesh, Unscaled(lattice), {.solid = Solid{}});
+  const auto job = VoxelizeJob::Create(mesh, Unscaled(lattice), {.set = Solid{}});
   ASSERT_TRUE(job.ok());
   const Result solid = VoxelizeSolid(mesh, lattice, {});
   double progress = 0;
@@ -429,7 +441,7 @@ TEST(Solids, AreEstimated) {
   for (const NamedLattice name : {NamedLattice::kCartesian, NamedLattice::kBcc}) {
     const Grid grid = Unscaled(Lattice::Named(name));
     for (const TriangleMesh& mesh : {Sphere(20, 100), ToWorld(Cube(150), grid.lattice)}) {
-      const VoxelizeOptions options{.solid = Solid{}};
+      const VoxelizeOptions options{.set = Solid{}};
       const auto voxels = static_cast<double>(Voxelize(mesh, grid, options).totals.voxels);
       const double estimate = EstimateVoxels(mesh, ExtentOf(mesh), grid, *MakeRequest(options));
       EXPECT_LE(voxels, estimate);

@@ -144,7 +144,7 @@ TEST_P(SupercoverOnLattice, NeighborsCellsMeetAndFacetsAreThoseOfTheLattice) {
 }
 
 Result Cover(const TriangleMesh& mesh, const Lattice& lattice, VoxelizeOptions options = {}, int threads = 2) {
-  options.cover = Cover::kSupercover;
+  options.set = SupercoverSurface{};
   return Voxelize(mesh, Unscaled(lattice), options, threads);
 }
 
@@ -166,7 +166,7 @@ TEST_P(SupercoverOnLattice, HoldsEverySeparatingSet) {
 TEST_P(SupercoverOnLattice, HasNoTunnelForAnyKAndIsTheSameForEach) {
   const TriangleMesh sphere = Sphere(12, 9.3F);
   for (int k : {0, 1, 2}) {
-    const VoxelizeOptions options{.separability = k, .cover = Cover::kSupercover};
+    const VoxelizeOptions options{.separability = k, .set = SupercoverSurface{}};
     const Result result = Cover(sphere, GetParam().lattice, options);
     EXPECT_EQ(result.totals.digest, Cover(sphere, GetParam().lattice).totals.digest);
     VoxelSet voxels;
@@ -261,7 +261,7 @@ TEST(Supercover, IsEstimatedToHaveNoFewerVoxelsThanItHas) {
     for (NamedLattice name : {NamedLattice::kCartesian, NamedLattice::kBcc, NamedLattice::kFcc}) {
       const Lattice lattice = Lattice::Named(name);
       const TriangleMesh sphere = Sphere(16, radius);
-      const VoxelizeOptions options{.cover = Cover::kSupercover};
+      const VoxelizeOptions options{.set = SupercoverSurface{}};
       const double voxels = EstimateVoxels(sphere, ExtentOf(sphere), Unscaled(lattice), *MakeRequest(options));
       EXPECT_GE(voxels, static_cast<double>(Cover(sphere, lattice).totals.voxels));
       EXPECT_GT(EstimateVisits(sphere, ExtentOf(sphere), Unscaled(lattice), *MakeRequest(options)), voxels);
@@ -273,12 +273,12 @@ TEST(Supercover, RefusesTheThesisAlgorithmsAndLatticesItCannotTell) {
   const TriangleMesh sphere = Sphere(4, 3);
   const Grid cartesian = Unscaled(Lattice::Named(NamedLattice::kCartesian));
   const auto other =
-      VoxelizeJob::Create(sphere, cartesian, {.algorithm = Algorithm::kIncremental, .cover = Cover::kSupercover});
-  EXPECT_EQ(other.status().message(), "cover supercover: not together with algorithm incremental");
+      VoxelizeJob::Create(sphere, cartesian, {.algorithm = Algorithm::kIncremental, .set = SupercoverSurface{}});
+  EXPECT_EQ(other.status().message(), "supercover: not together with algorithm incremental");
 
   const auto flat = Lattice::FromBasis({{{1, 0.3, 0}, {0.2, 1.1, 0}, {0.3, 0.4, 7000}}});
   ASSERT_TRUE(flat.ok());
-  const auto refused = VoxelizeJob::Create(sphere, Unscaled(*flat), {.cover = Cover::kSupercover});
+  const auto refused = VoxelizeJob::Create(sphere, Unscaled(*flat), {.set = SupercoverSurface{}});
   EXPECT_EQ(refused.status().code(), absl::StatusCode::kInvalidArgument);
   EXPECT_TRUE(VoxelizeJob::Create(sphere, Unscaled(*flat), {}).ok());
 }

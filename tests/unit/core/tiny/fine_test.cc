@@ -62,11 +62,11 @@ TEST(FineMeshes, HaveTheSameVoxelsOnAllKernelsAndThreads) {
         cases.push_back({"region", {.separability = k, .region = IndexBox{{-20, -30, -7}, {9, 40, 70}}}});
         cases.push_back({"bounds", {.separability = k, .bounds = Bounds{{-20, -30, -10}, {50, 41, 22}}}});
         cases.push_back({"shard", {.separability = k, .shard = Shard{1, 3}}});
-        cases.push_back({"solid", {.separability = k, .solid = Solid{}}});
+        cases.push_back({"solid", {.separability = k, .set = Solid{}}});
       }
       for (const Case& c : cases) {
         SCOPED_TRACE(absl::StrCat(l.name, " k ", k, " ", c.name));
-        const TriangleMesh& of = c.options.solid ? closed : mesh;
+        const TriangleMesh& of = std::holds_alternative<Solid>(c.options.set) ? closed : mesh;
         std::string expected;
         for (const Simd simd : SimdHere()) {
           const ForcedSimd forced(simd);
@@ -149,7 +149,7 @@ TEST(FineMeshes, HaveTheFactsOfAnyMesh) {
       const ForcedSimd forced(simd);
       for (const bool solid : {false, true}) {
         VoxelizeOptions options;
-        if (solid) options.solid = Solid{.force_open = true};
+        if (solid) options.set = Solid{.force_open = true};
         const auto job = VoxelizeJob::Create(mesh, grid, options);
         ASSERT_TRUE(job.ok()) << job.status();
         EXPECT_EQ((*job)->facts().closed, expected.closed) << SimdInUse();

@@ -10,6 +10,7 @@
 #include "core/voxelizer/estimate.h"
 #include "core/voxelizer/world_box.h"
 #include "tests/unit/core/exact.h"
+#include "tests/unit/core/fields.h"
 #include "tests/unit/core/sphere.h"
 
 namespace latvox {
@@ -113,8 +114,8 @@ TEST(Bounds, HoldForEveryKindOfJob) {
   const Case c = Cases()[2];
   for (const VoxelizeOptions& options :
        {VoxelizeOptions{.separability = 2, .minimal = false}, VoxelizeOptions{.algorithm = Algorithm::kIncremental},
-        VoxelizeOptions{.solid = Solid{}}, VoxelizeOptions{.solid = Solid{.surface = false}},
-        VoxelizeOptions{.cover = Cover::kSupercover},
+        VoxelizeOptions{.set = Solid{}}, VoxelizeOptions{.set = Solid{.surface = SolidSurface::kNone}},
+        VoxelizeOptions{.set = SupercoverSurface{}},
         VoxelizeOptions{.region = IndexBox{{-20, -20, -9}, {20, 15, 50}}}}) {
     const Bounds bounds{{-11.5, -20, -12}, {22, 10.25, 17}};
     VoxelizeOptions part = options;
@@ -146,24 +147,16 @@ TEST(Bounds, OfABandKeepItsDistances) {
   const TriangleMesh mesh = Sphere(8, 40);
   const Case c = Cases()[3];
   const auto distances = [&](const VoxelizeOptions& options) {
-    std::map<Int3, float> all;
-    for (const TileBricks& tile : Voxelize(mesh, c.grid, options).tiles) {
-      size_t n = 0;
-      for (const Brick& brick : tile.bricks) {
-        std::set<Int3> voxels;
-        AddVoxels(brick, {}, voxels);
-        for (const Int3& ijk : voxels) all[ijk] = tile.values.at(n++);
-      }
-      EXPECT_EQ(n, tile.values.size());
-    }
-    return all;
+    return DistancesOf(Voxelize(mesh, c.grid, options).tiles);
   };
-  const VoxelizeOptions band{.band = Band{2, true, true}};
-  std::map<Int3, float> whole = distances(band);
+  const VoxelizeOptions band{.set = Band{2, true}, .fields = {Field::kDistance}, .signed_distance = true};
+  std::map<Vec3i, float> whole = distances(band);
   const Bounds bounds{{-10, -60, -20.5}, {50, 0, 33}};
   VoxelizeOptions part = band;
   part.bounds = bounds;
-  std::erase_if(whole, [&](const auto& voxel) { return !IsIn(c.grid, bounds, voxel.first); });
+  std::erase_if(whole, [&](const auto& voxel) {
+    return !IsIn(c.grid, bounds, {voxel.first[0], voxel.first[1], voxel.first[2]});
+  });
   EXPECT_EQ(distances(part), whole);
   EXPECT_GT(whole.size(), 1000U);
 }

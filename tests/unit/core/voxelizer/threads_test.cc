@@ -34,13 +34,11 @@ Tiles TilesOf(VoxelizeJob& job, int threads) {
 
 void ExpectSame(const Tiles& a, const Tiles& b) {
   EXPECT_EQ(a.totals.digest, b.totals.digest);
-  EXPECT_EQ(a.totals.values, b.totals.values);
-  EXPECT_EQ(a.totals.attributes, b.totals.attributes);
+  EXPECT_EQ(a.totals.fields, b.totals.fields);
   ASSERT_EQ(a.tiles.size(), b.tiles.size());
   for (size_t n = 0; n < a.tiles.size(); ++n) {
     EXPECT_EQ(a.tiles[n].tile_ijk, b.tiles[n].tile_ijk);
-    EXPECT_EQ(a.tiles[n].values, b.tiles[n].values);
-    EXPECT_EQ(a.tiles[n].attributes, b.tiles[n].attributes);
+    EXPECT_EQ(a.tiles[n].fields, b.tiles[n].fields);
   }
 }
 

@@ -273,17 +273,17 @@ TEST(VoxelizeJob, SharesAMeshWithOthersAndOutlivesThem) {
     ASSERT_TRUE(first->Advance(all).ok());
     EXPECT_EQ(left.lock()->triangles, own.triangles);
     EXPECT_EQ(left.lock()->attributes, own.attributes);
-    const std::string digest = first->totals().digest.ToHex(), carried = first->totals().attributes.ToHex();
+    const std::string digest = first->totals().digest.ToHex(), carried = first->totals().fields[0].ToHex();
     first.reset();
     ASSERT_TRUE(second->Advance(all).ok());
     EXPECT_EQ(second->totals().digest.ToHex(), digest);
-    EXPECT_EQ(second->totals().attributes.ToHex(), carried);
+    EXPECT_EQ(second->totals().fields[0].ToHex(), carried);
     second.reset();
     EXPECT_TRUE(left.expired());
     auto alone = *VoxelizeJob::CreateFromValid(own, grid, request);
     ASSERT_TRUE(alone->Advance(all).ok());
     EXPECT_EQ(alone->totals().digest.ToHex(), digest);
-    EXPECT_EQ(alone->totals().attributes.ToHex(), carried);
+    EXPECT_EQ(alone->totals().fields[0].ToHex(), carried);
   }
 }
 

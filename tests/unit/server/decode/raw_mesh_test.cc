@@ -103,8 +103,8 @@ TEST(RawMesh, RefusalsNameTheLengthAndTheAttribute) {
   EXPECT_THAT(ReadRawMesh(absl::Cord(Bytes() + "x"), kLayout, {}).status().message(),
               HasSubstr("raw_mesh describes 152 bytes, but the mesh has 153"));
   const absl::Status lacks = ReadRawMesh(absl::Cord(Bytes()), kLayout, {Field::kMaterial}).status();
-  EXPECT_EQ(lacks.message(), "attributes: the mesh has no material");
-  EXPECT_EQ(CauseOf(lacks)->field, "attributes");
+  EXPECT_EQ(lacks.message(), "fields: the mesh has no material");
+  EXPECT_EQ(CauseOf(lacks)->field, "fields");
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Attributes, from the specification and the Draco mesh to the certificate: what is taken, and what is refused.
+// Fields of the mesh, from the specification and the Draco mesh to the certificate: what is taken, and what is refused.
 #include <draco/compression/encode.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -116,15 +116,15 @@ void ExpectRefused(Field kind, const char* says, const DracoValues<T>&... attrib
   const absl::Status status = DecodeDraco(Encode(false, attributes...), {}, FieldList{kind}).status();
   EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << says;
   EXPECT_THAT(std::string(status.message()), HasSubstr(says));
-  EXPECT_EQ(CauseOf(status)->field, "attributes");
+  EXPECT_EQ(CauseOf(status)->field, "fields");
   EXPECT_EQ(CauseOf(status)->value, NameOf(kind));
   EXPECT_EQ(DecodeError(EncodeError(status)).message(), status.message());  // as the server gets it
 }
 
 TEST(Attributes, ThatAMeshLacksOrHasWrongAreRefusedByName) {
   const auto part = Field::kPart, color = Field::kColor;
-  ExpectRefused(part, "attributes: the mesh has no part", kMaterials);
-  ExpectRefused(color, "attributes: the mesh has no color", kParts);
+  ExpectRefused(part, "fields: the mesh has no part", kMaterials);
+  ExpectRefused(color, "fields: the mesh has no color", kParts);
   ExpectRefused(part, "the mesh has no part",
                 DracoValues<uint8_t>{kColorType, 1, draco::DT_UINT8, {1, 2, 3, 4}, "part"});
   ExpectRefused(part, "part has 2 components, not 1",
@@ -148,20 +148,17 @@ TEST(Attributes, AreRefusedInASpecificationThatCannotHaveThem) {
     v1::VoxelizeSpec spec;
     spec.mutable_lattice()->set_named(v1::NAMED_LATTICE_BCC);
     spec.set_resolution(9);
-    spec.add_attributes(v1::ATTRIBUTE_PART);
+    spec.add_fields(v1::FIELD_PART);
     EXPECT_EQ(JobSpecFromProto(spec, {})->request.fields, FieldList{Field::kPart});
     spoil(spec);
     const absl::Status status = JobSpecFromProto(spec, {}).status();
     EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
-    EXPECT_EQ(CauseOf(status)->field, "attributes");
+    EXPECT_EQ(CauseOf(status)->field, "fields");
     return std::string(status.message());
   };
-  EXPECT_EQ(refusal([](auto& s) { s.add_attributes(v1::ATTRIBUTE_PART); }), "attributes: part stands twice");
-  EXPECT_EQ(refusal([](auto& s) { s.add_attributes(v1::ATTRIBUTE_UNSPECIFIED); }), "attributes 0 is not an attribute");
-  EXPECT_EQ(refusal([](auto& s) { s.add_attributes(static_cast<v1::Attribute>(4)); }),
-            "attributes 4 is not an attribute");
-  EXPECT_THAT(refusal([](auto& s) { s.mutable_fill()->set_mode(v1::FILL_MODE_SOLID); }), HasSubstr("fill.mode solid"));
-  EXPECT_THAT(refusal([](auto& s) { s.mutable_band()->set_width(1); }), HasSubstr("band"));
+  EXPECT_EQ(refusal([](auto& s) { s.add_fields(v1::FIELD_PART); }), "fields: part stands twice");
+  EXPECT_EQ(refusal([](auto& s) { s.add_fields(v1::FIELD_UNSPECIFIED); }), "fields 0 is not a field");
+  EXPECT_EQ(refusal([](auto& s) { s.add_fields(static_cast<v1::Field>(99)); }), "fields 99 is not a field");
   EXPECT_THAT(refusal([](auto& s) { s.set_algorithm(v1::ALGORITHM_INCREMENTAL); }), HasSubstr("incremental"));
 }
 

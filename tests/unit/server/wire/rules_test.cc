@@ -60,7 +60,10 @@ std::vector<BadSpecCase> BadValues() {
       {"separability 3", [](Spec& s) { s.set_separability(3); }, "separability 3 exceeds 2", "separability"},
       {"algorithm 5", [](Spec& s) { s.set_algorithm(static_cast<v1::Algorithm>(5)); },
        "algorithm 5 is not an algorithm", "algorithm"},
-      {"cover 3", [](Spec& s) { s.set_cover(static_cast<v1::Cover>(3)); }, "cover 3 is not a cover", "cover"},
+      {"surface 4", [](Spec& s) { s.mutable_solid()->set_surface(static_cast<v1::SolidSurface>(4)); },
+       "solid.surface 4 is not a surface", "solid.surface"},
+      {"field 8", [](Spec& s) { s.add_fields(static_cast<v1::Field>(8)); }, "fields 8 is not a field", "fields"},
+      {"signs", [](Spec& s) { s.set_signed_distance(true); }, "needs distance among fields", "signed_distance"},
       {"encoding 4", [](Spec& s) { s.set_encoding(static_cast<v1::BrickEncoding>(4)); },
        "encoding 4 is not an encoding", "encoding"}};
 }
@@ -185,12 +188,12 @@ TEST(JobSpecFromProto, ASupercoverIsNotMinimalAndSaysSo) {
   v1::VoxelizeSpec proto = GoodSpec();
   JobSpec spec = *JobSpecFromProto(proto, {});
   EXPECT_FALSE(spec.request.is_supercover());
-  EXPECT_EQ(CertificateToProto(spec, {}, {}, {}, std::nullopt).cover(), "separating");
-  proto.set_cover(v1::COVER_SUPERCOVER);
+  EXPECT_EQ(CertificateToProto(spec, {}, {}, {}, std::nullopt).set(), "surface");
+  proto.mutable_supercover();
   spec = *JobSpecFromProto(proto, {});
   EXPECT_TRUE(spec.request.is_supercover());
   const v1::Certificate certificate = CertificateToProto(spec, {}, {}, {}, std::nullopt);
-  EXPECT_EQ(certificate.cover(), "supercover");
+  EXPECT_EQ(certificate.set(), "supercover");
   EXPECT_TRUE(certificate.tunnel_free());
   EXPECT_FALSE(certificate.minimal());
   proto.set_minimal(false);
@@ -256,14 +259,18 @@ TEST(Certificate, ClaimsMinimalityOnlyOfWholeSurfaces) {
 TEST(Certificate, OfABandSaysWhatItIsAndClaimsNothingOfASurface) {
   v1::VoxelizeSpec asked = GoodSpec();
   asked.mutable_band()->set_voxels(2);
-  asked.mutable_band()->set_is_signed(true);
+  asked.add_fields(v1::FIELD_DISTANCE);
+  asked.set_signed_distance(true);
   JobFacts facts;
   facts.band_width = 0.5;
   const v1::Certificate certificate = CertificateToProto(*JobSpecFromProto(asked, {}), facts, {}, {}, std::nullopt);
   EXPECT_FALSE(certificate.tunnel_free() || certificate.minimal());
   EXPECT_EQ(certificate.band().width(), 0.5);
-  EXPECT_TRUE(certificate.band().is_signed());
-  EXPECT_EQ(certificate.band().digest(), JobTotals().values.ToHex());
+  EXPECT_EQ(certificate.set(), "band");
+  EXPECT_TRUE(certificate.signed_distance());
+  ASSERT_EQ(certificate.fields_size(), 1);
+  EXPECT_EQ(certificate.fields(0).field(), v1::FIELD_DISTANCE);
+  EXPECT_EQ(certificate.fields(0).digest(), Digest().ToHex());
 }
 
 TEST(Certificate, ClaimsOfAnotherAlgorithmThanTheExactOneOnlyWhatWasCounted) {

@@ -59,8 +59,14 @@ TEST(JobMemory, ReservesForTheStreamEachThreadAndTheMesh) {
 
 TEST(JobMemory, ReservesForFieldsByThreadsAndVertices) {
   const VoxelRequest one{.fields = {Field::kColor}}, two{.fields = {Field::kPart, Field::kColor}};
-  EXPECT_EQ(ReservedForMesh(one, kThreads, kTriangles, kVertices), kOfMesh + 3 * 24 * kMebibyte + 600 * 8);
-  EXPECT_EQ(ReservedForMesh(two, kThreads, kTriangles, kVertices), kOfMesh + 3 * 24 * kMebibyte + 600 * 2 * 8);
+  constexpr uint64_t kOfIndex = kTriangles * 64;
+  EXPECT_EQ(ReservedForMesh(one, kThreads, kTriangles, kVertices),
+            kOfMesh + 3 * (4 + 2 * 3) * kMebibyte + kOfIndex + 600 * 8);
+  EXPECT_EQ(ReservedForMesh(two, kThreads, kTriangles, kVertices),
+            kOfMesh + 3 * (4 + 2 * 7) * kMebibyte + kOfIndex + 600 * 2 * 8);
+  const VoxelRequest normal{.fields = {Field::kNormal}};  // the mesh's vertices carry nothing for it
+  EXPECT_EQ(ReservedForMesh(normal, kThreads, kTriangles, kVertices),
+            kOfMesh + 3 * (4 + 2 * 12) * kMebibyte + kOfIndex);
 }
 
 TEST(JobMemory, HoldsTheEncodedMeshUntilItIsDecoded) {

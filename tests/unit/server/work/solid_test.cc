@@ -22,7 +22,7 @@ v1::VoxelizeSpec SolidSpec() {
   spec.mutable_lattice()->set_named(v1::NAMED_LATTICE_BCC);
   spec.set_resolution(64);
   spec.set_encoding(v1::BRICK_ENCODING_PACKED);
-  spec.mutable_fill()->set_mode(v1::FILL_MODE_SOLID);
+  spec.mutable_solid();
   return spec;
 }
 
@@ -34,25 +34,27 @@ std::string FieldOf(const absl::Status& status) {
   return info.reason() + " " + info.metadata().at("field");
 }
 
-TEST(Fill, IsReadFromTheSpecification) {
+TEST(Solid, IsReadFromTheSpecification) {
   v1::VoxelizeSpec proto = SolidSpec();
   const auto solid = [&] {
     const VoxelRequest request = JobSpecFromProto(proto, {})->request;
     return request.solid() != nullptr ? std::optional(*request.solid()) : std::nullopt;
   };
   ASSERT_TRUE(solid());
-  EXPECT_TRUE(solid()->rule == InteriorRule::kAuto && solid()->surface && !solid()->force_open);
-  proto.mutable_fill()->set_rule(v1::INTERIOR_RULE_WINDING);
-  proto.mutable_fill()->set_surface(false);
-  proto.mutable_fill()->set_force_open(true);
-  EXPECT_TRUE(solid()->rule == InteriorRule::kWinding && !solid()->surface && solid()->force_open);
-  for (const auto mode : {v1::FILL_MODE_UNSPECIFIED, v1::FILL_MODE_SURFACE}) {
-    proto.mutable_fill()->set_mode(mode);
-    EXPECT_FALSE(solid());
-  }
+  EXPECT_TRUE(solid()->rule == InteriorRule::kAuto && solid()->surface == SolidSurface::kSeparating &&
+              !solid()->force_open);
+  proto.mutable_solid()->set_rule(v1::INTERIOR_RULE_WINDING);
+  proto.mutable_solid()->set_surface(v1::SOLID_SURFACE_NONE);
+  proto.mutable_solid()->set_force_open(true);
+  EXPECT_TRUE(solid()->rule == InteriorRule::kWinding && solid()->surface == SolidSurface::kNone &&
+              solid()->force_open);
+  proto.mutable_solid()->set_surface(v1::SOLID_SURFACE_SUPERCOVER);
+  EXPECT_TRUE(JobSpecFromProto(proto, {})->request.is_supercover());
+  proto.mutable_surface();
+  EXPECT_FALSE(solid());
 }
 
-TEST(Fill, IsRefusedByItsField) {
+TEST(Solid, IsRefusedByItsField) {
   const auto refusal = [](const auto& spoil) {
     v1::VoxelizeSpec proto = SolidSpec();
     spoil(proto);
@@ -60,11 +62,12 @@ TEST(Fill, IsRefusedByItsField) {
     EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
     return FieldOf(status);
   };
-  EXPECT_EQ(refusal([](auto& s) { s.mutable_fill()->set_mode(static_cast<v1::FillMode>(3)); }), "BAD_SPEC fill.mode");
-  EXPECT_EQ(refusal([](auto& s) { s.mutable_fill()->set_rule(static_cast<v1::InteriorRule>(4)); }),
-            "BAD_SPEC fill.rule");
+  EXPECT_EQ(refusal([](auto& s) { s.mutable_solid()->set_surface(static_cast<v1::SolidSurface>(4)); }),
+            "BAD_SPEC solid.surface");
+  EXPECT_EQ(refusal([](auto& s) { s.mutable_solid()->set_rule(static_cast<v1::InteriorRule>(4)); }),
+            "BAD_SPEC solid.rule");
   EXPECT_EQ(refusal([](auto& s) { s.set_verify(true); }), "BAD_SPEC verify");
-  EXPECT_EQ(refusal([](auto& s) { s.set_algorithm(v1::ALGORITHM_BRUTE_FORCE); }), "BAD_SPEC fill.mode");
+  EXPECT_EQ(refusal([](auto& s) { s.set_algorithm(v1::ALGORITHM_BRUTE_FORCE); }), "BAD_SPEC solid");
 }
 
 // The facts of the whole computation: its status, its messages, and the memory that it held before its bricks.
@@ -101,28 +104,28 @@ Outcome Compute(const v1::VoxelizeSpec& proto, const TriangleMesh& mesh, const L
   return outcome;
 }
 
-TEST(Fill, IsInTheCertificate) {
+TEST(Solid, IsInTheCertificate) {
   v1::VoxelizeSpec proto = SolidSpec();
   const Outcome solid = Compute(proto, Sphere(20));
   ASSERT_TRUE(solid.status.ok()) << solid.status;
   const v1::Certificate& certificate = solid.summary().certificate();
-  EXPECT_EQ(certificate.fill().rule(), "winding");  // by auto
-  EXPECT_TRUE(certificate.fill().surface() && certificate.tunnel_free() && certificate.minimal());
-  proto.mutable_fill()->set_rule(v1::INTERIOR_RULE_WINDING);
-  proto.mutable_fill()->set_surface(false);
+  EXPECT_EQ(certificate.solid().rule(), "winding");  // by auto
+  EXPECT_TRUE(certificate.set() == "solid" && certificate.tunnel_free() && certificate.minimal());
+  proto.mutable_solid()->set_rule(v1::INTERIOR_RULE_WINDING);
+  proto.mutable_solid()->set_surface(v1::SOLID_SURFACE_NONE);
   const Outcome inside = Compute(proto, Sphere(20));
   ASSERT_TRUE(inside.status.ok()) << inside.status;
-  EXPECT_EQ(inside.summary().certificate().fill().rule(), "winding");
-  EXPECT_FALSE(inside.summary().certificate().fill().surface());
+  EXPECT_EQ(inside.summary().certificate().solid().rule(), "winding");
+  EXPECT_EQ(inside.summary().certificate().set(), "interior");
   EXPECT_FALSE(inside.summary().certificate().tunnel_free() || inside.summary().certificate().minimal());
-  proto.clear_fill();
+  proto.clear_solid();
   const Outcome surface = Compute(proto, Sphere(20));
-  EXPECT_FALSE(surface.summary().certificate().has_fill());
+  EXPECT_FALSE(surface.summary().certificate().has_solid());
   EXPECT_GT(solid.summary().voxels(), inside.summary().voxels());
   EXPECT_LT(solid.summary().voxels(), inside.summary().voxels() + surface.summary().voxels());
 }
 
-TEST(Fill, OfAMeshThatIsNotClosedIsABadMeshBeforeAnythingIsDelivered) {
+TEST(Solid, OfAMeshThatIsNotClosedIsABadMeshBeforeAnythingIsDelivered) {
   TriangleMesh mesh = Sphere(20);
   mesh.triangles.resize(mesh.triangles.size() - 300);
   v1::VoxelizeSpec proto = SolidSpec();
@@ -130,26 +133,26 @@ TEST(Fill, OfAMeshThatIsNotClosedIsABadMeshBeforeAnythingIsDelivered) {
   EXPECT_EQ(refused.status.code(), absl::StatusCode::kInvalidArgument);
   EXPECT_EQ(FieldOf(refused.status), "BAD_MESH mesh");
   EXPECT_TRUE(refused.messages.empty());
-  proto.mutable_fill()->set_force_open(true);
+  proto.mutable_solid()->set_force_open(true);
   const Outcome forced = Compute(proto, mesh);
   ASSERT_TRUE(forced.status.ok()) << forced.status;
-  EXPECT_GT(forced.summary().certificate().fill().unbalanced_lines(), 0U);
+  EXPECT_GT(forced.summary().certificate().solid().unbalanced_lines(), 0U);
   EXPECT_FALSE(forced.summary().certificate().closed());
   // All crossings of its lines are kept, and counted.
   EXPECT_GT(forced.memory, Compute(SolidSpec(), Sphere(20)).memory);
 }
 
-TEST(Fill, CountsAgainstTheLimitOfVoxels) {
+TEST(Solid, CountsAgainstTheLimitOfVoxels) {
   v1::VoxelizeSpec proto = SolidSpec();
   const uint64_t limit = 50000;  // more than the surface has
   EXPECT_EQ(Compute(proto, Sphere(20), {.max_visited_points = limit}).status.code(),
             absl::StatusCode::kResourceExhausted);
-  proto.clear_fill();
+  proto.clear_solid();
   EXPECT_TRUE(Compute(proto, Sphere(20), {.max_visited_points = limit}).status.ok());
 }
 
 // A solid's bricks are full, except those at its surface. They take the bytes that the format's description tells.
-TEST(Fill, PacksFullBricks) {
+TEST(Solid, PacksFullBricks) {
   v1::VoxelizeSpec proto = SolidSpec();
   proto.set_resolution(400);
   for (const auto encoding : {v1::BRICK_ENCODING_MASKS, v1::BRICK_ENCODING_PACKED, v1::BRICK_ENCODING_PACKED_ZSTD}) {

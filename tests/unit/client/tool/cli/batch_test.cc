@@ -342,10 +342,12 @@ TEST_F(Results, AJobsDigestIsOfRequestOutputsAndMesh) {
                              R"("mesh": "m.obj", "resolution": 8, "band": 1)",
                              R"("mesh": "m.obj", "resolution": 8, "band": "1v")",
                              R"("mesh": "m.obj", "resolution": 8, "band": 1, "signed": true)",
-                             R"("mesh": "m.obj", "resolution": 8, "fill": "solid")",
-                             R"("mesh": "m.obj", "resolution": 8, "fill": "solid", "interior_rule": "winding")",
-                             R"("mesh": "m.obj", "resolution": 8, "fill": "solid", "without_surface": true)",
-                             R"("mesh": "m.obj", "resolution": 8, "fill": "solid", "force_open": true)",
+                             R"("mesh": "m.obj", "resolution": 8, "fields": "normal")",
+                             R"("mesh": "m.obj", "resolution": 8, "fields": ["normal", "distance"])",
+                             R"("mesh": "m.obj", "resolution": 8, "set": "solid")",
+                             R"("mesh": "m.obj", "resolution": 8, "set": "solid", "rule": "winding")",
+                             R"("mesh": "m.obj", "resolution": 8, "set": "interior")",
+                             R"("mesh": "m.obj", "resolution": 8, "set": "solid", "force_open": true)",
                              R"("mesh": "m.obj", "resolution": 8, "shard": "0/2")",
                              R"("mesh": "m.obj", "resolution": 8, "shard": "1/2")"}) {
     EXPECT_TRUE(digests.insert(digest(out + fields)).second) << fields;

@@ -12,6 +12,7 @@
 #include "client/tool/cli/value_difference.h"
 #include "client/tool/cli/voxel_difference.h"
 #include "latvox/for_each_voxel.h"
+#include "tests/unit/client/fields.h"
 
 namespace latvox::client {
 namespace {
@@ -73,25 +74,22 @@ TEST(CompareValues, HoldsTheSameVoxelsAgainstEachOther) {
   GridContent a{{{}, ToBricks(voxels_a)}}, b{{{}, ToBricks(voxels_b)}};
   EXPECT_FALSE(CompareValues(a, b).distances.has_value());
   EXPECT_TRUE(CompareValues(a, b).equal());
-  a.band = b.band = Band{1, false, true};
-  a.distances = {0, 0.5F, 0.25F, -1};
-  b.distances = {7, 0.5F, 0.25F, 7, -1};
+  a.fields = {ValuesOf<float>(Field::kDistance, {0, 0.5F, 0.25F, -1})};
+  b.fields = {ValuesOf<float>(Field::kDistance, {7, 0.5F, 0.25F, 7, -1})};
   EXPECT_EQ(CompareValues(a, b).distances->differ, 0u);
   EXPECT_TRUE(CompareValues(a, b).equal());
-  b.distances = {7, 0.75F, 0.25F, 7, 1};
+  b.fields = {ValuesOf<float>(Field::kDistance, {7, 0.75F, 0.25F, 7, 1})};
   const auto distances = *CompareValues(a, b).distances;
   EXPECT_EQ(distances.differ, 2u);
   EXPECT_EQ(distances.greatest, 2);
   EXPECT_EQ(distances.at, (Vec3i{20, 3, 3}));
   EXPECT_FALSE(CompareValues(a, b).equal());
-  a.band = b.band = std::nullopt;
-  a.attributes = {Attribute::kPart, Attribute::kColor};
-  a.numbers = {0, 10, 1, 11, 2, 12, 3, 13};
-  b.attributes = {Attribute::kColor};
-  b.numbers = {7, 11, 12, 7, 14};
-  const auto attributes = CompareValues(a, b).attributes;
-  ASSERT_EQ(attributes.size(), 1u);
-  EXPECT_EQ(attributes[0], std::make_pair(Attribute::kColor, uint64_t{1}));
+  a.fields = {ValuesOf<uint32_t>(Field::kPart, {0, 1, 2, 3}),
+              ValuesOf<uint8_t>(Field::kColor, {0, 0, 10, 0, 0, 11, 0, 0, 12, 0, 0, 13})};
+  b.fields = {ValuesOf<uint8_t>(Field::kColor, {0, 0, 7, 0, 0, 11, 0, 0, 12, 0, 0, 7, 0, 0, 14})};
+  const auto others = CompareValues(a, b).others;
+  ASSERT_EQ(others.size(), 1u);
+  EXPECT_EQ(others[0], std::make_pair(Field::kColor, uint64_t{1}));
 }
 
 TEST(CompareFields, TellsWhatOneSaysAndTheOtherDoesNot) {

@@ -44,7 +44,7 @@ TEST(JobLine, EveryFieldArrivesWhereItBelongs) {
   const auto job =
       Parse(R"({"id": "x", "mesh": "/m.obj", "out": ["d/./a.vdb", "b.csv"], "basis": [1,0,0,-0.5,2,0,1e-1,0.25,3],
     "voxel_size": 0.1, "origin": [-1, -2.5, 3], "separability": 2, "minimal": false, "algorithm": "incremental",
-    "fill": "surface", "cover": "separating", "quantization": 0, "region": [-1,-2,-3,4,5,6], "bounds": [0,0,0,0.5,1,2],
+    "set": "surface", "fields": ["part", "normal"], "quantization": 0, "region": [-1,-2,-3,4,5,6], "bounds": [0,0,0,0.5,1,2],
     "verify": false,
     "encoding": "masks"})");
   ASSERT_TRUE(job.ok()) << job.status();
@@ -64,10 +64,11 @@ TEST(JobLine, EveryFieldArrivesWhereItBelongs) {
   EXPECT_EQ(request.bounds, (WorldBox{{0, 0, 0}, {0.5, 1, 2}}));
   EXPECT_EQ(request.encoding, BrickEncoding::kMasks);
   EXPECT_EQ(job->options.quantization_bits, 0);
-  EXPECT_EQ(Parse(R"({"mesh": "m", "resolution": 9, "fill": "solid", "interior_rule": "winding",
-    "without_surface": true, "force_open": true})")
-                ->options.request.solid,
-            (Solid{InteriorRule::kWinding, false, true}));
+  EXPECT_EQ(Parse(R"({"mesh": "m", "resolution": 9, "set": "interior", "rule": "winding",
+    "force_open": true})")
+                ->options.request.set,
+            VoxelSet(Solid{InteriorRule::kWinding, SolidSurface::kNone, true}));
+  EXPECT_THAT(request.fields, ElementsAre(Field::kPart, Field::kNormal));
   EXPECT_TRUE(
       Parse(R"({"mesh": "m", "resolution": 9, "verify": true, "quantization": "auto"})")->options.request.verify);
 }
@@ -92,10 +93,13 @@ TEST(JobLine, AVoxelSizeIsANumberOrThreeAndAlignAPath) {
 TEST(JobLine, ABandIsANumberOrAText) {
   const auto world = Parse(R"({"mesh": "m", "resolution": 9, "band": 0.5, "signed": true})");
   ASSERT_TRUE(world.ok()) << world.status();
-  EXPECT_TRUE(world->options.request.band->width == 0.5 && world->options.request.band->is_signed);
+  EXPECT_EQ(world->options.request.set, VoxelSet(Band{.width = 0.5}));
+  EXPECT_TRUE(world->options.request.signed_distance);
   const auto voxels = Parse(R"({"mesh": "m", "resolution": 9, "band": "3v"})");
   ASSERT_TRUE(voxels.ok()) << voxels.status();
-  EXPECT_TRUE(voxels->options.request.band->in_voxels && !voxels->options.request.band->is_signed);
+  EXPECT_EQ(voxels->options.request.set, VoxelSet(Band{.width = 3, .in_voxels = true}));
+  EXPECT_FALSE(voxels->options.request.signed_distance);
+  EXPECT_THAT(voxels->options.request.fields, ElementsAre(Field::kDistance));
 }
 
 TEST(JobLine, EveryOptionOfARequestHasItsField) {

@@ -83,7 +83,7 @@ TEST(Options, EveryOptionArrivesWhereItBelongs) {
                                          "d.npy",
                                          "--algorithm",
                                          "optimized-incremental",
-                                         "--fill",
+                                         "--set",
                                          "surface",
                                          "--up-axis",
                                          "y",
@@ -132,17 +132,19 @@ TEST(Options, ThreeVoxelSizesStretchTheLattice) {
 }
 
 TEST(Options, OfASolidSayWhatIsInside) {
-  EXPECT_EQ(Parse({"--resolution", "9"}).request.solid, std::nullopt);
-  EXPECT_EQ(Parse({"--resolution", "9", "--fill", "surface"}).request.solid, std::nullopt);
-  EXPECT_EQ(Parse({"--resolution", "9", "--fill", "solid"}).request.solid, Solid{});
-  EXPECT_EQ(Parse({"--resolution", "9", "--fill", "solid", "--interior-rule", "auto"}).request.solid, Solid{});
-  EXPECT_EQ(Parse({"--resolution", "9", "--fill", "solid", "--interior-rule", "parity"}).request.solid,
-            (Solid{.rule = InteriorRule::kParity}));
-  EXPECT_EQ(Parse({"--resolution", "9", "--fill", "solid", "--interior-rule", "winding"}).request.solid,
-            (Solid{.rule = InteriorRule::kWinding}));
-  EXPECT_EQ(Parse({"--resolution", "9", "--fill", "solid", "--without-surface"}).request.solid,
-            (Solid{.surface = false}));
-  EXPECT_EQ(Parse({"--resolution", "9", "--fill", "solid", "--force-open"}).request.solid, (Solid{.force_open = true}));
+  const auto set = [](std::vector<std::string> words) {
+    words.insert(words.end(), {"--resolution", "9"});
+    return Parse(words).request.set;
+  };
+  EXPECT_EQ(set({}), VoxelSet(Surface{}));
+  EXPECT_EQ(set({"--set", "surface"}), VoxelSet(Surface{}));
+  EXPECT_EQ(set({"--set", "solid"}), VoxelSet(Solid{}));
+  EXPECT_EQ(set({"--set", "solid", "--rule", "auto"}), VoxelSet(Solid{}));
+  EXPECT_EQ(set({"--set", "solid", "--rule", "parity"}), VoxelSet(Solid{.rule = InteriorRule::kParity}));
+  EXPECT_EQ(set({"--set", "solid", "--rule", "winding"}), VoxelSet(Solid{.rule = InteriorRule::kWinding}));
+  EXPECT_EQ(set({"--set", "interior"}), VoxelSet(Solid{.surface = SolidSurface::kNone}));
+  EXPECT_EQ(set({"--set", "supercover-solid"}), VoxelSet(Solid{.surface = SolidSurface::kSupercover}));
+  EXPECT_EQ(set({"--set", "solid", "--force-open"}), VoxelSet(Solid{.force_open = true}));
 }
 
 TEST(Options, ThreeMfAsksForThePositiveRule) {
@@ -150,31 +152,30 @@ TEST(Options, ThreeMfAsksForThePositiveRule) {
     VoxelizeWords given;
     CommandParser parser;
     AddVoxelizeOptions(parser, given);
-    std::vector<std::string> all = {"--resolution", "9", "--fill", "solid", "-o", "o.vdb"};
+    std::vector<std::string> all = {"--resolution", "9", "--set", "solid", "-o", "o.vdb"};
     all.insert(all.end(), words.begin(), words.end());
     parser.Parse(all);
-    return InterpretRequest(given).request.solid->rule;
+    return std::get<Solid>(InterpretRequest(given).request.set).rule;
   };
   EXPECT_EQ(rule({"a.3mf"}), InteriorRule::kPositive);
   EXPECT_EQ(rule({"a.3MF", "b.3mf"}), InteriorRule::kPositive);
   EXPECT_EQ(rule({"a.bin", "--input-format", "3mf"}), InteriorRule::kPositive);
   EXPECT_EQ(rule({"a.3mf", "b.obj"}), InteriorRule::kAuto);
   EXPECT_EQ(rule({"a.3mf", "--input-format", "obj"}), InteriorRule::kAuto);
-  EXPECT_EQ(rule({"a.3mf", "--interior-rule", "auto"}), InteriorRule::kAuto);
+  EXPECT_EQ(rule({"a.3mf", "--rule", "auto"}), InteriorRule::kAuto);
 }
 
 TEST(Options, PlacementIsLeftToTheServerUnlessGiven) {
-  EXPECT_EQ(Parse({"--resolution", "9", "--fill", "solid"}).request.placement, std::nullopt);
+  EXPECT_EQ(Parse({"--resolution", "9", "--set", "solid"}).request.placement, std::nullopt);
   EXPECT_EQ(Parse({"--resolution", "9", "--placement", "points"}).request.placement, Placement::kPoints);
   EXPECT_EQ(Parse({"--resolution", "9", "--placement", "cells"}).request.placement, Placement::kCells);
 }
 
 TEST(Options, ASupercoverIsNotMinimal) {
-  const VoxelizeRequest request = Parse({"--resolution", "9", "--cover", "supercover"}).request;
-  EXPECT_EQ(request.cover, Cover::kSupercover);
+  const VoxelizeRequest request = Parse({"--resolution", "9", "--set", "supercover"}).request;
+  EXPECT_EQ(request.set, VoxelSet(Supercover{}));
   EXPECT_EQ(request.minimal, std::nullopt);
-  EXPECT_EQ(Parse({"--resolution", "9", "--cover", "supercover", "--no-minimal"}).request.minimal, false);
-  EXPECT_EQ(Parse({"--resolution", "9"}).request.cover, Cover::kSeparating);
+  EXPECT_EQ(Parse({"--resolution", "9", "--set", "supercover", "--no-minimal"}).request.minimal, false);
 }
 
 TEST(Options, MinimalMaySayWhether) {
@@ -310,14 +311,17 @@ TEST(Options, RefusalsOfPartsNameOptionValueAndLimit) {
 
 TEST(Options, RefusalsOfSetsNameOptionValueAndLimit) {
   Refuses({"--resolution", "9", "--algorithm", "ibanez"}, {"--algorithm", "ibanez", "exact", "optimized-incremental"});
-  Refuses({"--resolution", "9", "--fill", "hollow"}, {"--fill", "hollow", "solid", "surface"});
-  Refuses({"--resolution", "9", "--fill", "solid", "--interior-rule", "odd"}, {"--interior-rule", "odd", "parity"});
-  Refuses({"--resolution", "9", "--interior-rule", "winding"}, {"--interior-rule", "--fill solid"});
-  Refuses({"--resolution", "9", "--without-surface"}, {"--without-surface", "--fill solid"});
-  Refuses({"--resolution", "9", "--band", "2v", "--npy", "dense", "-o", "a.npy"}, {"--npy", "dense", "--band"});
+  Refuses({"--resolution", "9", "--set", "hollow"}, {"--set", "hollow", "solid", "surface", "band"});
+  Refuses({"--resolution", "9", "--set", "solid", "--rule", "odd"}, {"--rule", "odd", "parity"});
+  Refuses({"--resolution", "9", "--rule", "winding"}, {"--rule", "--set solid", "surface"});
+  Refuses({"--resolution", "9", "--set", "band"}, {"--set", "band", "--band W"});
+  Refuses({"--resolution", "9", "--set", "solid", "--band", "2v"}, {"--band", "--set band", "solid"});
+  Refuses({"--resolution", "9", "--band", "2v", "--npy", "dense", "-o", "a.npy"}, {"--npy", "dense", "--fields"});
+  Refuses({"--resolution", "9", "--fields", "part,shape"}, {"--fields", "shape", "part", "normal"});
+  Refuses({"--resolution", "9", "--fields", "part,part"}, {"--fields", "part", "twice"});
+  Refuses({"--resolution", "9", "--fields", "triangle", "--upload", "draco"}, {"--fields", "triangle", "--upload raw"});
   Refuses({"--align", "a.vdb", "--separability", "26"}, {"--separability", "26", "--lattice cartesian"});
-  Refuses({"--resolution", "9", "--fill", "surface", "--force-open"}, {"--force-open", "--fill solid"});
-  Refuses({"--resolution", "9", "--cover", "all"}, {"--cover", "all", "separating", "supercover"});
+  Refuses({"--resolution", "9", "--set", "surface", "--force-open"}, {"--force-open", "--set solid"});
   EXPECT_EQ(Refusal({"--resolution", "9", "--no-minimal", "--algorithm", "incremental"}), "accepted");
   EXPECT_EQ(Parse({"--resolution", "9", "--no-minimal", "--minimal"}).request.minimal, true);  // the last one counts
   EXPECT_EQ(Parse({"--resolution", "9", "--minimal", "--no-minimal"}).request.minimal, false);
@@ -356,18 +360,22 @@ TEST(Options, AnOutputIsOneWord) {
 }
 
 TEST(Options, ABandIsInWorldUnitsOrInVoxels) {
-  const auto world = Parse({"--resolution", "9", "--band", "0.25"}).request.band;
-  EXPECT_TRUE(world && world->width == 0.25 && !world->in_voxels && !world->is_signed);
-  const auto voxels = Parse({"--resolution", "9", "--band", "3v", "--signed"}).request.band;
-  EXPECT_TRUE(voxels && voxels->width == 3 && voxels->in_voxels && voxels->is_signed);
-  EXPECT_FALSE(Parse({"--resolution", "9"}).request.band);
+  const VoxelizeRequest world = Parse({"--resolution", "9", "--band", "0.25"}).request;
+  EXPECT_EQ(world.set, VoxelSet(Band{.width = 0.25}));
+  EXPECT_THAT(world.fields, ElementsAre(Field::kDistance));
+  EXPECT_FALSE(world.signed_distance);
+  const VoxelizeRequest voxels = Parse({"--resolution", "9", "--set", "band", "--band", "3v", "--signed"}).request;
+  EXPECT_EQ(voxels.set, VoxelSet(Band{.width = 3, .in_voxels = true}));
+  EXPECT_TRUE(voxels.signed_distance);
+  EXPECT_THAT(Parse({"--resolution", "9", "--band", "1", "--fields", "normal"}).request.fields,
+              ElementsAre(Field::kNormal));
   for (const char* width : {"0", "-1", "v", "3V", "1e999", "nan"}) {
     EXPECT_THAT(Refusal({"--resolution", "9", "--band", width}), HasSubstr("is not a finite number above 0"));
   }
-  EXPECT_THAT(Refusal({"--resolution", "9", "--signed"}), AllOf(HasSubstr("--signed"), HasSubstr("--band")));
+  EXPECT_THAT(Refusal({"--resolution", "9", "--signed"}), AllOf(HasSubstr("--signed"), HasSubstr("--fields distance")));
   for (const char* output : {"a.nvdb", "a.glb", "a.binvox", "a.vox"}) {
     EXPECT_THAT(Refusal({"--resolution", "9", "--band", "1", "-o", output}),
-                HasSubstr(std::string(output) + " cannot hold distances; .vdb .csv .npy .npz .ply .png .html can"));
+                HasSubstr(std::string(output) + " cannot hold distance; .vdb .csv .npy .npz .ply .png .html can"));
   }
 }
 

@@ -49,7 +49,7 @@ TEST(Report, JsonHasEveryKeyThatScriptsRelyOn) {
   const std::string plain = ToJson(report);
   for (const char* key :
        {"voxels",     "bricks",      "lattice",  "basis",  "origin",    "voxel_size",     "separability",
-        "digest",     "certificate", "minimal",  "cover",  "closed",    "snap_error_max", "verified",
+        "digest",     "certificate", "minimal",  "set",    "closed",    "snap_error_max", "verified",
         "timings_ms", "encode",      "upload",   "decode", "voxelize",  "stream",         "total",
         "bytes",      "sent",        "received", "mesh",   "triangles", "vertices"}) {
     EXPECT_THAT(plain, HasSubstr("\"" + std::string(key) + "\":"));
@@ -65,10 +65,13 @@ TEST(Report, JsonHasEveryKeyThatScriptsRelyOn) {
 TEST(Report, TellsOfABand) {
   VoxelizeReport report;
   EXPECT_THAT(ToJson(report), Not(HasSubstr("\"band\"")));
-  report.summary.certificate.band = BandCertificate{0.5, true, "0123"};
+  report.summary.certificate.band = BandFacts{0.5};
+  report.summary.certificate.fields = {{Field::kDistance, "0123"}};
+  report.summary.certificate.signed_distance = true;
   EXPECT_THAT(ToJson(report),
               AllOf(HasSubstr("\"width\": 0.5"), HasSubstr("\"signed\": true"), HasSubstr("\"digest\": \"0123\"")));
-  EXPECT_THAT(ToText(report), HasSubstr("band of 0.5, signed"));
+  EXPECT_THAT(ToText(report),
+              AllOf(HasSubstr("band of 0.5"), HasSubstr("each voxel carries distance; distances are negative inside")));
 }
 
 TEST(Report, TextClaimsNoSeparationThatIsNotCertain) {
@@ -118,14 +121,15 @@ TEST(Progress, ShortCountsHaveThreeDigitsOrSo) {
 TEST(Report, SaysHowAMeshWasFilled) {
   VoxelizeReport report;
   EXPECT_THAT(ToText(report), Not(HasSubstr("filled")));
-  EXPECT_THAT(ToJson(report), AllOf(HasSubstr("\"fill\": \"surface\""), Not(HasSubstr("unbalanced_lines"))));
-  report.summary.certificate.solid = SolidFacts{"winding", false, 0};
+  EXPECT_THAT(ToJson(report), Not(HasSubstr("unbalanced_lines")));
+  report.summary.certificate.set = "interior";
+  report.summary.certificate.solid = SolidFacts{"winding", 0};
   EXPECT_THAT(ToText(report),
               AllOf(HasSubstr("filled by winding, without the surface\n"), Not(HasSubstr("not filled"))));
   report.summary.certificate.solid->unbalanced_lines = 7;
   EXPECT_THAT(ToText(report), HasSubstr("not filled: 7 lattice lines"));
-  EXPECT_THAT(ToJson(report), AllOf(HasSubstr("\"fill\": \"solid\""), HasSubstr("\"interior_rule\": \"winding\""),
-                                    HasSubstr("\"surface\": false"), HasSubstr("\"unbalanced_lines\": 7")));
+  EXPECT_THAT(ToJson(report), AllOf(HasSubstr("\"set\": \"interior\""), HasSubstr("\"rule\": \"winding\""),
+                                    HasSubstr("\"unbalanced_lines\": 7")));
 }
 
 class Command : public FilesTest {};

@@ -7,6 +7,9 @@
 #include <cstring>
 #include <functional>
 #include <string>
+#include <vector>
+
+#include "tests/unit/client/fields.h"
 
 namespace latvox::client {
 namespace {
@@ -23,8 +26,10 @@ GridContent Whole() {
   info.active_box = IndexBox{{-8, 0, 0}, {1, 1, 2}};
   info.metadata = {{"latvox_digest", "12"}, {"empty", ""}};
   content.file.bricks = {{{-1, 0, 0}, {1, 0, 0, 0, 0, 0, 0, 0}}, {{0, 0, 0}, {3, 0, 0, 0, 0, 0, 0, 0}}};
-  content.attributes = {Attribute::kPart, Attribute::kColor};
-  content.numbers = {1, 2, 3, 4, 5, 6};
+  content.fields = {ValuesOf<uint32_t>(Field::kPart, {1, 2, 3}),
+                    ValuesOf<uint8_t>(Field::kColor, {1, 2, 3, 4, 5, 6, 7, 8, 9}),
+                    ValuesOf<float>(Field::kDistance, {0, -1, 2})};
+  content.distances = DistanceRange{2, true};
   return content;
 }
 
@@ -50,19 +55,19 @@ TEST(ContentWire, TellsAWholeContent) {
   ASSERT_TRUE(content.ok()) << content.status();
   EXPECT_EQ(Bytes(*content), Bytes(Whole()));
   EXPECT_EQ(content->file.info.metadata, Whole().file.info.metadata);
-  EXPECT_EQ(content->numbers, Whole().numbers);
+  EXPECT_EQ(content->fields, Whole().fields);
+  EXPECT_EQ(content->distances, Whole().distances);
 }
 
 TEST(ContentWire, TellsABand) {
   GridContent band = Whole();
-  band.attributes.clear();
-  band.numbers.clear();
-  band.band = Band{2, false, true};
-  band.distances = {0, -1, 2};
+  band.is_band = true;
+  band.fields.erase(band.fields.begin(), band.fields.begin() + 2);
   const auto content = Read(Bytes(band));
   ASSERT_TRUE(content.ok()) << content.status();
-  EXPECT_TRUE(content->band->is_signed);
-  EXPECT_EQ(content->distances, band.distances);
+  EXPECT_TRUE(content->is_band);
+  EXPECT_TRUE(content->distances->is_signed);
+  EXPECT_EQ(content->fields, band.fields);
 }
 
 TEST(ContentWire, TellsErrorsOfTwoKindsWithoutControlCharacters) {
@@ -85,21 +90,18 @@ TEST(ContentWire, BelievesNothing) {
       [](GridContent& c) { c.file.info.active_box->max[0] = 100; },
       [](GridContent& c) { c.file.info.active_box->min[1] = 100; },
       [](GridContent& c) { c.file.info.transform.origin[1] = std::nan(""); },
-      [](GridContent& c) { c.numbers.pop_back(); },
-      [](GridContent& c) { c.attributes.push_back(Attribute::kMaterial); },
-      [](GridContent& c) { c.attributes[0] = static_cast<Attribute>(77); },
+      [](GridContent& c) { c.fields[0].bytes.pop_back(); },
+      [](GridContent& c) { c.fields[0].bytes.resize(16); },
+      [](GridContent& c) { c.fields[0].field = Field::kPoint; },
+      [](GridContent& c) { c.fields[0].field = static_cast<Field>(77); },
+      [](GridContent& c) { std::swap(c.fields[0], c.fields[1]); },
+      [](GridContent& c) { c.fields[1] = c.fields[0]; },
+      [](GridContent& c) { c.fields.pop_back(); },
       [](GridContent& c) {
-        c.distances = {1, 2, 3};
+        c.fields[2] = ValuesOf<float>(Field::kDistance, {1, 2, HUGE_VALF});
       },
-      [](GridContent& c) { c.band = Band{std::nan("")}; },
-      [](GridContent& c) {
-        c.band = Band{1};
-        c.distances = {1, 2};
-      },
-      [](GridContent& c) {
-        c.band = Band{1};
-        c.distances = {1, 2, HUGE_VALF};
-      },
+      [](GridContent& c) { c.distances.reset(); },
+      [](GridContent& c) { c.distances->most = std::nan(""); },
   };
   for (const auto& lie : lies) {
     GridContent content = Whole();

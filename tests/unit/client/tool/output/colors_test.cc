@@ -2,10 +2,11 @@
 
 #include "client/grid/openvdb_trees.h"
 #include "client/tool/output/voxel_colors.h"
-#include "latvox/grid/attribute_grids.h"
 #include "latvox/grid/distance_grid.h"
+#include "latvox/grid/field_grids.h"
 #include "latvox/grid/grid_content.h"
 #include "latvox/grid/openvdb_grid.h"
+#include "tests/unit/client/fields.h"
 #include "tests/unit/client/files.h"
 
 namespace latvox::client {
@@ -23,17 +24,20 @@ const GridTransform kBcc = {{{0.2, 0, 0}, {0, 0.2, 0}, {0.1, 0.1, 0.1}}, {1, -2,
 const std::vector<Brick> kBricks = {{{3, 0, 0}, {5, 0, 0, 0, 0, 0, 0, 1}}, {{-600, 0, 7}, {0, 0, 0, 2, 0, 0, 0, 0}}};
 
 TEST_F(Content, NumbersStandByTheirVoxels) {
-  const std::vector<uint32_t> numbers = {0x102030, 7, 0x0000FF, 8, 0xFF8000, 9, 0xFFFFFF, 6};
-  AttributeGrids grids(kBcc, {Attribute::kColor, Attribute::kPart});
-  ASSERT_TRUE(grids.Add({kBricks, 1, {}, numbers}).ok());
+  const std::vector<FieldValues> fields{
+      ValuesOf<uint8_t>(Field::kColor, {0x10, 0x20, 0x30, 0, 0, 0xFF, 0xFF, 0x80, 0, 0xFF, 0xFF, 0xFF}),
+      ValuesOf<uint32_t>(Field::kPart, {7, 8, 9, 6})};
+  FieldGrids grids(kBcc, {Field::kColor, Field::kPart});
+  ASSERT_TRUE(grids.Add({kBricks, 1, fields}).ok());
   ASSERT_TRUE(grids.Write(Path("o.vdb")).ok());
   const auto content = ReadGridContent(Path("o.vdb"));
   ASSERT_TRUE(content.ok()) << content.status();
   EXPECT_EQ(content->file.bricks.front().brick_ijk, kBricks[1].brick_ijk);
-  EXPECT_THAT(content->attributes, ElementsAre(Attribute::kPart, Attribute::kColor));
-  EXPECT_THAT(content->numbers, ElementsAre(6, 0xFFFFFF, 7, 0x102030, 8, 0x0000FF, 9, 0xFF8000));
-  EXPECT_FALSE(content->band.has_value());
-  const VoxelTraits traits = {content->attributes, content->band};
+  ASSERT_EQ(content->fields.size(), 2U);
+  EXPECT_EQ(content->fields[0], ValuesOf<uint32_t>(Field::kPart, {6, 7, 8, 9}));
+  EXPECT_EQ(content->fields[1].field, Field::kColor);
+  EXPECT_FALSE(content->is_band || content->distances);
+  const VoxelTraits traits = TraitsOf(*content);
   EXPECT_EQ(DefaultColorBy(traits), ColorBy::kColor);
   EXPECT_THAT(*ColorsOf(content->Batch(), traits, ColorBy::kColor),
               ElementsAre(0xFFFFFF, 0x102030, 0x0000FF, 0xFF8000));
@@ -45,20 +49,21 @@ TEST_F(Content, NumbersStandByTheirVoxels) {
 }
 
 TEST_F(Content, DistancesAreThoseOfTheBand) {
-  const std::vector<float> distances = {0.25F, -0.125F, 0, 0.5F};
+  const std::vector<FieldValues> fields{ValuesOf<float>(Field::kDistance, {0.25F, -0.125F, 0, 0.5F})};
   DistanceGrid grid(kBcc, 0.5, /*is_signed=*/true, /*whole=*/false);
   Certificate certificate;
-  certificate.band = {0.75, true, "00"};
+  certificate.band = {0.75};
+  certificate.fields = {{Field::kDistance, "00"}};
+  certificate.signed_distance = true;
   grid.SetCertificate(certificate);
-  ASSERT_TRUE(grid.Add({kBricks, 1, distances}).ok());
+  ASSERT_TRUE(grid.Add({kBricks, 1, fields}).ok());
   ASSERT_TRUE(grid.Write(Path("o.vdb")).ok());
   const auto content = ReadGridContent(Path("o.vdb"));
   ASSERT_TRUE(content.ok()) << content.status();
-  EXPECT_THAT(content->distances, ElementsAre(0.5F, 0.25F, -0.125F, 0));
-  ASSERT_TRUE(content->band.has_value());
-  EXPECT_EQ(content->band->width, 0.75);
-  EXPECT_TRUE(content->band->is_signed);
-  EXPECT_EQ(DefaultColorBy({{}, content->band}), ColorBy::kDistance);
+  EXPECT_THAT(content->fields.at(0).As<float>(), ElementsAre(0.5F, 0.25F, -0.125F, 0));
+  EXPECT_TRUE(content->is_band);
+  EXPECT_EQ(content->distances, (DistanceRange{0.75, true}));
+  EXPECT_EQ(DefaultColorBy(TraitsOf(*content)), ColorBy::kDistance);
 }
 
 TEST_F(Content, GridsOfOtherVoxelsAreRefused) {
@@ -79,15 +84,15 @@ TEST_F(Content, GridsOfOtherVoxelsAreRefused) {
   for (const Vec3i& ijk : {Vec3i{24, 0, 0}, {24, 0, 2}, {31, 0, 0}, {-4797, 0, 57}}) {
     colors->tree().setValueOn(openvdb::Coord(ijk.data()), openvdb::Vec3s(0, 1.5F, 0));
   }
-  EXPECT_THAT(refusal(colors), HasSubstr("no colors from 0 to 1"));
+  EXPECT_THAT(refusal(colors), HasSubstr("has values that are no color"));
 }
 
 // The ends and middle of the maps are the published colors.
 TEST(VoxelColors, DistancesRunOverTheWholeMap) {
-  const Band with_sign = {2, false, true}, without = {2, false, false};
-  const auto colors = [](const Band& band, const std::vector<float>& distances) {
+  const DistanceRange with_sign = {2, true}, without = {2, false};
+  const auto colors = [](const DistanceRange& range, const std::vector<float>& distances) {
     std::vector<uint32_t> found;
-    for (const float distance : distances) found.push_back(DistanceColor(distance, band));
+    for (const float distance : distances) found.push_back(DistanceColor(distance, range));
     return found;
   };
   EXPECT_THAT(colors(with_sign, {-2, 0, 2}), ElementsAre(0x053061, 0xF7F7F7, 0x67001F));

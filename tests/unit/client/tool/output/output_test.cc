@@ -13,6 +13,7 @@
 #include "client/tool/output/atomic_file.h"
 #include "client/tool/output/temporary_name.h"
 #include "latvox/grid/voxel_grid.h"
+#include "tests/unit/client/fields.h"
 #include "tests/unit/client/files.h"
 
 namespace latvox::client {
@@ -102,14 +103,16 @@ TEST_F(OutputFile, PlyHoldsAsManyPointsAsItDeclares) {
 
 TEST_F(OutputFile, TablesOfABandHoldDistances) {
   VoxelizeRequest request;
-  request.band = Band{.width = 2};
+  request.set = Band{.width = 2};
+  request.fields = {Field::kDistance};
   const std::vector<Brick> bricks = MakeBricks();
   const std::vector<float> values{0.1F, 2, -1.5F};
+  const std::vector<FieldValues> fields{ValuesOf<float>(Field::kDistance, values)};
   for (const char* name : {"o.csv", "o.npy", "o.ply"}) {
     auto output = OpenOutput(Path(name), request);
     ASSERT_TRUE(output.ok()) << output.status();
     ASSERT_TRUE((*output)->Begin(MakeAccepted()).ok());
-    ASSERT_TRUE((*output)->Add({bricks, 1, values}).ok());
+    ASSERT_TRUE((*output)->Add({bricks, 1, fields}).ok());
     ASSERT_TRUE((*output)->Finish({}).ok());
     ASSERT_TRUE((*output)->Commit().ok());
   }

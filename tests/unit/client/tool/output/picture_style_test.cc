@@ -4,6 +4,7 @@
 #include <png.h>
 
 #include "client/tool/output/lettering.h"
+#include "tests/unit/client/fields.h"
 
 namespace latvox::client {
 namespace {
@@ -117,8 +118,8 @@ TEST(PictureStyle, LettersAreAsWideAsTheySay) {
 
 TEST(Legend, CountsVoxels) {
   GridContent content;
-  content.attributes = {Attribute::kPart, Attribute::kColor};
-  content.numbers = {3, 0xFF0000, 1, 0x00FF00, 3, 0x00FF00, 3, 0x00FF00};
+  content.fields = {ValuesOf<uint32_t>(Field::kPart, {3, 1, 3, 3}),
+                    ValuesOf<uint8_t>(Field::kColor, {255, 0, 0, 0, 255, 0, 0, 255, 0, 0, 255, 0})};
   const auto texts = [&](ColorBy by, size_t most) {
     std::vector<std::string> found;
     for (const LegendEntry& entry : LegendOf(content, by, most).entries) found.push_back(entry.text);
@@ -131,14 +132,14 @@ TEST(Legend, CountsVoxels) {
 }
 
 TEST(Legend, OfABandIsARamp) {
-  const Band band{.width = 0.25, .is_signed = true};
+  const DistanceRange range{.most = 0.25, .is_signed = true};
   GridContent content;
-  content.band = band;
+  content.distances = range;
   const Legend legend = LegendOf(content, ColorBy::kDistance, 9);
   EXPECT_TRUE(legend.is_ramp);
   EXPECT_EQ(legend.entries.front().text, "-0.25");
   EXPECT_EQ(legend.entries.back().text, "0.25");
-  EXPECT_EQ(legend.entries.front().color, DistanceColor(-0.25F, band));
+  EXPECT_EQ(legend.entries.front().color, DistanceColor(-0.25F, range));
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
-"""Attributes of voxels: compared with all triangles, read back from every format, in parts, and from other encoders."""
+"""Fields of voxels: compared with all triangles, read back from every format, in parts, and from other encoders."""
 
+import csv
 import json
 import random
 import re
@@ -57,9 +58,9 @@ def distances(point, corners):
     return numpy.where(over, abs(((point - a) * normal).sum(1)), best)
 
 
-def table(csv, columns):
+def table(path, columns):
     """Returns the numbers of each voxel, without the names that follow."""
-    lines = csv.read_text().splitlines()
+    lines = path.read_text().splitlines()
     header = [name for name in lines[0].split(",") if not name.endswith("_name")]
     assert header == f"i,j,k,x,y,z,{columns}".split(","), lines[0]
     rows = [line.split(",") for line in lines[1:]]
@@ -77,16 +78,16 @@ def grids_of(vdb):
     return {name: int(count.replace(",", "")) for name, count in zip(names, counts, strict=True)}
 
 
-class Attributes(Case):
+class Fields(Case):
     def colored(self):
         return write_colored_ply(self.dir / "colored.ply", *mountains())
 
     def test_colors_are_those_of_the_nearest_corner_of_the_nearest_triangle(self):
         vertices, colors, triangles = mountains()
         corners = numpy.array([[vertices[v] for v in t] for t in triangles])
-        for options in (["--no-minimal"], ["--lattice", "bcc"], ["--cover", "supercover"]):
+        for options in (["--no-minimal"], ["--lattice", "bcc"], ["--set", "supercover"]):
             with self.subTest(options):
-                summary = self.voxelize(self.colored(), *GRID, "--attributes", "color", *options)
+                summary = self.voxelize(self.colored(), *GRID, "--fields", "color", *options)
                 basis = numpy.array(summary["basis"]).reshape(3, 3)
                 exact = 1 if "bcc" in options else 0  # there snapping moves corners by up to 1/256 of a voxel
                 voxels = table(self.dir / "out.csv", "red,green,blue")
@@ -106,12 +107,87 @@ class Attributes(Case):
         else:
             self.assertEqual(color, min(colors[v] for v in to if to[v] <= min(to.values()) + 1e-9), point)
 
+    def test_every_field_of_every_set_is_that_of_the_nearest_triangle(self):
+        vertices, triangles = octahedron(7.0)
+        mesh = write_obj(self.dir / "m.obj", (vertices, triangles))
+        corners = numpy.array([[vertices[v] for v in t] for t in triangles])
+        fields = ["--fields", "distance,triangle,point,normal", "--signed"]
+        for options in (["--set", "surface"], ["--set", "supercover"], ["--set", "solid"], ["--set", "interior"],
+                        ["--set", "supercover-solid"], ["--band", "2.5"]):  # fmt: skip
+            with self.subTest(options):
+                summary = self.voxelize(mesh, *GRID, *fields, *options)
+                self.assertEqual(list(summary["fields"]), ["distance", "triangle", "point", "normal"])
+                with open(self.dir / "out.csv", newline="") as file:
+                    rows = list(csv.DictReader(file))
+                self.assertEqual(list(rows[0])[6:], "distance,triangle,u,v,nx,ny,nz".split(","))
+                self.assertEqual(len(rows), summary["voxels"])
+                for row in rows:
+                    self.check_fields(row, corners)
+
+    def check_fields(self, row, corners):
+        point = numpy.array([float(row[n]) for n in "xyz"])
+        distance, u, v = float(row["distance"]), float(row["u"]), float(row["v"])
+        far = distances(point, corners)
+        self.assertAlmostEqual(abs(distance), far.min(), delta=1e-6)
+        self.assertEqual(int(row["triangle"]), int(numpy.argmax(far <= far.min() + 1e-9)))
+        a, b, c = corners[int(row["triangle"])].astype(float)
+        self.assertAlmostEqual(numpy.linalg.norm(a + u * (b - a) + v * (c - a) - point), far.min(), delta=1e-6)
+        normal = numpy.cross(b - a, c - a)
+        normal /= numpy.linalg.norm(normal)
+        self.assertLess(abs(normal - [float(row[n]) for n in ("nx", "ny", "nz")]).max(), 1e-7)
+        if far.min() > 1e-9:
+            self.assertEqual(distance < 0, abs(point).sum() < 7)
+
+    def test_every_format_keeps_every_field(self):
+        names = ("o.vdb", "o.csv", "o.npy", "o.npz", "o.ply", "o.html")
+        mesh = write_obj(self.dir / "m.obj", octahedron(7.0))
+        done = latvox("voxelize", mesh, *GRID, "--set", "solid", "--fields", "distance,triangle,point,normal", "--json",
+                      *(word for name in names for word in ("-o", self.dir / name)))  # fmt: skip
+        self.assertEqual(done.returncode, 0, done.stderr)
+        array = numpy.load(self.dir / "o.npy")
+        kinds = {"distance": ("<f4", ()), "triangle": ("<i4", ()), "point": ("<f4", (2,)), "normal": ("<f4", (3,))}
+        for name, (kind, shape) in kinds.items():
+            self.assertEqual((array.dtype[name].base.str, array.dtype[name].shape), (kind, shape))
+        at = tuple(array["ijk"].T)
+        with numpy.load(self.dir / "o.npz") as box:
+            where = tuple(axis - low for axis, low in zip(at, box["index_min"], strict=True))
+            self.assertEqual(int(box["data"].sum()), len(array))
+            for name in kinds:
+                self.assertTrue((box[name][where] == array[name]).all(), name)
+        body = (self.dir / "o.ply").read_bytes().partition(b"end_header\n")[2]
+        kind = [("distance", "<f4"), ("triangle", "<i4"), ("point", "<f4", 2), ("normal", "<f4", 3)]
+        points = numpy.frombuffer(body, dtype=[("xyz", "<f8", 3), ("ijk", "<i4", 3), *kind])
+        for name in ("ijk", *kinds):
+            self.assertTrue((points[name] == array[name]).all(), name)
+        grid = pyopenvdb.read(str(self.dir / "o.vdb"), "normal")
+        found = {item.min: tuple(item.value) for item in grid.iterOnValues()}
+        self.assertEqual(found, {tuple(r["ijk"].tolist()): tuple(r["normal"].tolist()) for r in array})
+        self.assertEqual(grids_of(self.dir / "o.vdb"), dict.fromkeys(("voxels", *kinds), len(array)))
+        compared = latvox("compare", self.dir / "o.vdb", self.dir / "o.vdb", "--json")
+        self.assertEqual(json.loads(compared.stdout)["values"], {"triangle": 0, "point": 0, "normal": 0})
+        for command in ("render", "view"):
+            out = self.dir / ("r.png" if command == "render" else "r.html")
+            self.assertEqual(latvox(command, self.dir / "o.vdb", "-o", out).returncode, 0)
+        sliced = latvox("slice", self.dir / "o.vdb", "-o", self.dir / "s.csv")
+        self.assertEqual(sliced.returncode, 0, sliced.stderr)
+        self.assertEqual((self.dir / "s.csv").read_text().splitlines()[0], "i,j,k,x,y,z,distance,triangle,u,v,nx,ny,nz")
+
+    def test_triangles_are_those_of_the_file_whatever_the_upload(self):
+        mesh = write_obj(self.dir / "m.obj", octahedron(7.0))
+        options = [*GRID[:4], "--fields", "triangle,point"]
+        alone = self.voxelize(mesh, *options)["fields"]
+        self.assertEqual(self.voxelize(mesh, *options, "--upload", "raw")["fields"], alone)
+        parts = [int(self.voxelize(mesh, *options, "--shard", f"{n}/3")["fields"]["point"]["digest"], 16) for n in range(3)]
+        self.assertEqual(f"{sum(parts) % 2**128:032x}", alone["point"]["digest"])
+        encodings = [self.voxelize(mesh, *options, "--encoding", e)["fields"] for e in ("masks", "packed-zstd")]
+        self.assertEqual(encodings, [alone, alone])
+
     def test_two_boxes_are_two_parts_in_every_format(self):
         outs = ["o.vdb", "o.csv", "o.npy", "o.ply"]
         for n in range(2):
             vertices, triangles = octahedron(8.0)
             write_obj(self.dir / f"{n}.obj", ([(x + 30 * n, y, z) for x, y, z in vertices], triangles))
-        done = latvox("voxelize", self.dir / "0.obj", self.dir / "1.obj", "--json", "--attributes", "part", *GRID,
+        done = latvox("voxelize", self.dir / "0.obj", self.dir / "1.obj", "--json", "--fields", "part", *GRID,
                       *(word for name in outs for word in ("-o", self.dir / name)))  # fmt: skip
         self.assertEqual(done.returncode, 0, done.stderr)
         summary = json.loads(done.stdout)
@@ -120,8 +196,8 @@ class Attributes(Case):
         self.assertEqual({ijk: (int(ijk[0] > 15),) for ijk in voxels}, voxels)
         grid = pyopenvdb.read(str(self.dir / "o.vdb"), "voxels")
         self.assertEqual({item.min for item in grid.iterOnValues()}, set(voxels))
-        self.assertEqual(grid["latvox_attributes"], "part")
-        self.assertEqual(grid["latvox_attributes_digest"], summary["attributes"]["digest"])
+        self.assertEqual(grid["latvox_fields"], "part")
+        self.assertEqual(grid["latvox_part_digest"], summary["fields"]["part"]["digest"])
         self.assertEqual(grids_of(self.dir / "o.vdb"), {name: summary["voxels"] for name in ("voxels", "part")})
         array = numpy.load(self.dir / "o.npy")
         self.assertEqual({tuple(row["ijk"]): (row["part"],) for row in array}, voxels)
@@ -145,7 +221,7 @@ class Attributes(Case):
             text += ["f " + " ".join(str(v + 1 + 6 * n) for v in t) for t in triangles]
         (self.dir / "m.obj").write_text("\n".join(text) + "\n")
         names = ("o.vdb", "o.csv", "o.npy", "o.ply")
-        done = latvox("voxelize", self.dir / "m.obj", "--attributes", "material,color,part", *GRID,
+        done = latvox("voxelize", self.dir / "m.obj", "--fields", "material,color,part", *GRID,
                       *(word for name in names for word in ("-o", self.dir / name)))  # fmt: skip
         self.assertEqual(done.returncode, 0, done.stderr)
         voxels = table(self.dir / "o.csv", "material,red,green,blue,part")
@@ -177,22 +253,22 @@ class Attributes(Case):
 
     def test_parts_of_the_whole_and_dracos_own_encoder_give_the_same(self):
         mesh = self.colored()
-        options = ["--resolution", "100", "--lattice", "fcc", "--quantization", "0", "--attributes", "color"]
+        options = ["--resolution", "100", "--lattice", "fcc", "--quantization", "0", "--fields", "color"]
         whole = self.voxelize(mesh, *options)
         voxels = table(self.dir / "out.csv", "red,green,blue")
         joined, digest = {}, 0
         for part in ("0/3", "1/3", "2/3"):
-            digest += int(self.voxelize(mesh, *options, "--shard", part)["attributes"]["digest"], 16)
+            digest += int(self.voxelize(mesh, *options, "--shard", part)["fields"]["color"]["digest"], 16)
             joined |= table(self.dir / "out.csv", "red,green,blue")
         self.assertEqual(joined, voxels)
-        self.assertEqual(f"{digest % 2**128:032x}", whole["attributes"]["digest"])
+        self.assertEqual(f"{digest % 2**128:032x}", whole["fields"]["color"]["digest"])
         for method in ("10", "0"):  # edgebreaker, sequential
             encode_drc(self.dir / "mesh.drc", mesh, "-cl", method)
-            again = self.voxelize(self.dir / "mesh.drc", *options[:4], "--attributes", "color")
-            self.assertEqual(again["attributes"], whole["attributes"])
+            again = self.voxelize(self.dir / "mesh.drc", *options[:4], "--fields", "color")
+            self.assertEqual(again["fields"], whole["fields"])
 
     def test_a_surface_has_the_colors_of_its_voxels(self):
-        self.voxelize(self.colored(), *GRID, "--attributes", "color", out="o.glb")
+        self.voxelize(self.colored(), *GRID, "--fields", "color", out="o.glb")
         data = (self.dir / "o.glb").read_bytes()
         (length,) = struct.unpack_from("<I", data, 12)
         scene, body = json.loads(data[20 : 20 + length]), data[28 + length :]
@@ -200,7 +276,7 @@ class Attributes(Case):
         self.assertEqual(accessor["count"], scene["accessors"][0]["count"])
         start = scene["bufferViews"][accessor["bufferView"]]["byteOffset"]
         found = numpy.frombuffer(body, "u1", 4 * accessor["count"], start).reshape(-1, 4)
-        self.voxelize(self.colored(), *GRID, "--attributes", "color")
+        self.voxelize(self.colored(), *GRID, "--fields", "color")
         voxels = table(self.dir / "out.csv", "red,green,blue")
         self.assertEqual({tuple(c) for c in found.tolist()}, {(*color, 255) for color in voxels.values()})
         info = gltf_info(self.dir / "o.glb")
@@ -212,18 +288,16 @@ class Attributes(Case):
         plain = write_obj(self.dir / "plain.obj", octahedron())
         encode_drc(self.dir / "plain.drc", plain)
         for status, says, words in (
-            (3, "plain.obj: the mesh, or some of it, has no color", [plain, "--attributes", "part,color"]),
-            (3, "colored.ply: the mesh, or some of it, has no material", [self.colored(), plain, "--attributes", "material"]),
-            (3, "attributes: the mesh has no color", [self.dir / "plain.drc", "--attributes", "color"]),
-            (2, "not together with fill.mode solid", [plain, "--attributes", "part", "--fill", "solid"]),
-            (2, "not together with band", [plain, "--attributes", "part", "--band", "1"]),
-            (2, "not together with algorithm brute-force", [plain, "--attributes", "part", "--algorithm", "brute-force"]),
-            (2, '"hue" is not one of part, material, color', [plain, "--attributes", "part,hue"]),
-            (2, "twice", [plain, "--attributes", "part,part"]),
-            (2, "o.glb cannot hold part", [plain, "--attributes", "part", "-o", self.dir / "o.glb"]),
-            (2, "--npy dense", [plain, "--attributes", "part", "--npy", "dense", "-o", self.dir / "o.npy"]),
-            (3, "sent as it is", [self.dir / "plain.drc", plain, "--attributes", "color"]),
-            (2, "o.nvdb cannot hold color", [plain, "--attributes", "color", "-o", self.dir / "o.nvdb"]),
+            (3, "plain.obj: the mesh, or some of it, has no color", [plain, "--fields", "part,color"]),
+            (3, "colored.ply: the mesh, or some of it, has no material", [self.colored(), plain, "--fields", "material"]),
+            (3, "fields: the mesh has no color", [self.dir / "plain.drc", "--fields", "color"]),
+            (2, "not together with algorithm brute-force", [plain, "--fields", "part", "--algorithm", "brute-force"]),
+            (2, '"hue" is not one of part, material, color, distance, triangle, point, normal', [plain, "--fields", "part,hue"]),
+            (2, "twice", [plain, "--fields", "part,part"]),
+            (2, "o.glb cannot hold part", [plain, "--fields", "part", "-o", self.dir / "o.glb"]),
+            (2, "--npy: dense", [plain, "--fields", "part", "--npy", "dense", "-o", self.dir / "o.npy"]),
+            (3, "sent as it is", [self.dir / "plain.drc", plain, "--fields", "color"]),
+            (2, "o.nvdb cannot hold color", [plain, "--fields", "color", "-o", self.dir / "o.nvdb"]),
         ):
             with self.subTest(says):
                 done = latvox("voxelize", *words, "--resolution", "20", "-o", self.dir / "o.csv")
@@ -234,7 +308,7 @@ class Attributes(Case):
     def test_a_batch_repeats_a_job_with_changed_attributes(self):
         self.colored()
         for attributes, skipped in (('"part"', 0), ('"part"', 1), ('["part", "color"]', 0)):
-            job = f'{{"mesh": "colored.ply", "resolution": 20, "attributes": {attributes}}}\n'
+            job = f'{{"mesh": "colored.ply", "resolution": 20, "fields": {attributes}}}\n'
             (self.dir / "jobs.jsonl").write_text(job)
             done = latvox("batch", self.dir / "jobs.jsonl", "--out", self.dir / "out", "--resume", "--json")
             self.assertEqual(done.returncode, 0, done.stderr)

@@ -1,0 +1,175 @@
+#include "client/tool/cli/set_options.h"
+
+#include <algorithm>
+#include <optional>
+#include <string>
+#include <variant>
+
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "absl/strings/str_split.h"
+#include "absl/strings/strip.h"
+#include "client/tool/cli/common_options.h"
+#include "client/tool/output/output.h"
+
+namespace latvox::client {
+namespace {
+
+const Names<Field>& FieldNames() {
+  static const auto* const kNames = [] {
+    auto* const names = new Names<Field>;
+    for (const FieldFacts& row : kFields) names->emplace_back(row.name, row.field);
+    return names;
+  }();
+  return *kNames;
+}
+
+std::string CheckFields(const std::string& text) {
+  std::vector<absl::string_view> seen;
+  for (const absl::string_view word : absl::StrSplit(text, ',')) {
+    const auto has_name = [word](const auto& name) { return name.first == word; };
+    if (std::none_of(FieldNames().begin(), FieldNames().end(), has_name)) {
+      return absl::StrCat("\"", word, "\" is not one of ", absl::StrJoin(WordsOf(FieldNames()), ", "));
+    }
+    if (std::find(seen.begin(), seen.end(), word) != seen.end()) return absl::StrCat("\"", word, "\" is given twice");
+    seen.push_back(word);
+  }
+  return "";
+}
+
+std::optional<Band> ParseBand(absl::string_view text) {
+  Band band;
+  band.in_voxels = absl::ConsumeSuffix(&text, "v");
+  if (!ParseNumber(text, band.width) || !(band.width > 0)) return std::nullopt;
+  return band;
+}
+
+std::string CheckBand(const std::string& text) {
+  if (ParseBand(text)) return "";
+  return absl::StrCat("\"", text, "\" is not a finite number above 0, with or without v for voxel sizes");
+}
+
+// The names of sets, with the values of those that need no further option.
+const Names<VoxelSet>& SetNames() {
+  static const auto* const kNames =
+      new Names<VoxelSet>{{"surface", Surface{}},
+                          {"supercover", Supercover{}},
+                          {"solid", Solid{}},
+                          {"supercover-solid", Solid{.surface = SolidSurface::kSupercover}},
+                          {"interior", Solid{.surface = SolidSurface::kNone}},
+                          {"band", Band{}}};
+  return *kNames;
+}
+
+// Without a word, the rule is that of the mesh's format. A mesh without an extension has its format only by that word.
+InteriorRule RuleOf(const VoxelizeWords& words) {
+  if (!words.rule.empty()) return ValueNamed(RuleNames(), words.rule);
+  const auto is_3mf = [&words](const std::string& path) {
+    return words.input_format.empty() ? HasExtension(path, {".3mf"}) : words.input_format == "3mf";
+  };
+  const std::vector<std::string>& paths = words.options.mesh.paths;
+  const bool all = !paths.empty() && std::all_of(paths.begin(), paths.end(), is_3mf);
+  return all ? InteriorRule::kPositive : InteriorRule::kAuto;
+}
+
+// A field of a triangle's number or place in its list is about the triangles as sent. Draco changes their order.
+void CheckOrder(const VoxelizeOptions& options) {
+  for (const Field field : {Field::kTriangle, Field::kPoint}) {
+    if (!CarriesField(options.request.fields, field)) continue;
+    if (options.upload == UploadForm::kDraco) {
+      Refuse("--fields: ", NameOf(field), " needs --upload raw; Draco changes the order of triangles");
+    }
+  }
+}
+
+void CheckCarry(const std::vector<Field>& fields, const std::vector<std::string>& outputs) {
+  const std::vector<std::string> extensions = ExtensionsFor(fields);
+  const auto name = [](std::string* out, Field field) { *out += NameOf(field); };
+  for (const std::string& output : outputs) {
+    if (HasExtension(output, extensions)) continue;
+    Refuse("--fields: ", output, " cannot hold ", absl::StrJoin(fields, ",", name), "; ",
+           absl::StrJoin(extensions, " "), " can");
+  }
+}
+
+}  // namespace
+
+std::vector<OptionRow> SetRows(VoxelizeWords& words) {
+  return {
+      {.names = "--set",
+       .target = &words.set,
+       .help = "Set of lattice points",
+       .words = WordsOf(SetNames()),
+       .word_help = {"the fewest voxels of the mesh that let no path through", "all voxels whose cell meets the mesh",
+                     "surface and interior of a closed mesh", "supercover and interior",
+                     "only points whose center is inside", "all points near the mesh, see --band"},
+       .standard = "surface; band with --band"},
+      {.names = "--rule",
+       .target = &words.rule,
+       .help = "Rule for the interior; winding and positive unite bodies that overlap",
+       .words = WordsOf(RuleNames()),
+       .word_help = {"winding if the triangles are oriented alike, else parity",
+                     "inside after an odd number of crossings", "inside where the mesh winds around",
+                     "inside where the mesh winds around, but not inside out"},
+       .standard = "auto; for 3MF, positive, as that format asks"},
+      {.names = "--force-open",
+       .target = &words.force_open,
+       .help = "Fill a mesh that is not closed, except along lattice lines in k that end unbalanced"},
+      {.names = "--band",
+       .target = &words.band,
+       .help = "Width of a band: all points within distance W of the mesh, or within W voxel sizes (Wv)",
+       .value = "W|Wv",
+       .checks = {{CheckBand}}},
+      {.names = "--fields",
+       .target = &words.fields,
+       .help = "What each voxel carries, from its nearest triangle: part, material, color, distance, triangle, point, "
+               "normal, or a list",
+       .value = "NAME,...",
+       .checks = {{CheckFields}},
+       .standard = "distance for a band, otherwise none"},
+      {.names = "--signed",
+       .target = &words.is_signed,
+       .help = "Make distances negative inside; the mesh must be closed"}};
+}
+
+VoxelSet InterpretSet(const VoxelizeWords& words) {
+  const std::string name = !words.set.empty() ? words.set : words.band.empty() ? "surface" : "band";
+  VoxelSet set = ValueNamed(SetNames(), name);
+  if (auto* band = std::get_if<Band>(&set)) {
+    if (words.band.empty()) Refuse("--set: band needs --band W");
+    *band = *ParseBand(words.band);
+  } else if (!words.band.empty()) {
+    Refuse("--band: needs --set band, not ", name);
+  }
+  if (auto* solid = std::get_if<Solid>(&set)) {
+    solid->rule = RuleOf(words);
+    solid->force_open = words.force_open;
+    return set;
+  }
+  if (!words.rule.empty()) Refuse("--rule: needs --set solid, supercover-solid or interior, not ", name);
+  if (words.force_open) Refuse("--force-open: needs --set solid, supercover-solid or interior, not ", name);
+  return set;
+}
+
+void InterpretFields(const VoxelizeWords& words, VoxelizeOptions& options) {
+  VoxelizeRequest& request = options.request;
+  if (!words.fields.empty()) {
+    for (const absl::string_view word : absl::StrSplit(words.fields, ',')) {
+      request.fields.push_back(ValueNamed(FieldNames(), std::string(word)));
+    }
+  } else if (std::holds_alternative<Band>(request.set)) {
+    request.fields = {Field::kDistance};
+  }
+  request.signed_distance = words.is_signed;
+  if (words.is_signed && !CarriesField(request.fields, Field::kDistance)) Refuse("--signed: needs --fields distance");
+  if (request.fields.empty()) return;
+  if (options.output_options.dense_npy) Refuse("--npy: dense cannot hold --fields; .npz can");
+  for (const Field field : request.fields) {
+    if (FactsOf(field).is_of_mesh) options.mesh.attributes.push_back(field);
+  }
+  CheckOrder(options);
+  CheckCarry(request.fields, options.outputs);
+}
+
+}  // namespace latvox::client

@@ -1,0 +1,24 @@
+// The options of the set and of the fields: --set, --rule, --force-open, --band, --signed and --fields.
+#ifndef LATVOX_CLIENT_TOOL_CLI_SET_OPTIONS_H_
+#define LATVOX_CLIENT_TOOL_CLI_SET_OPTIONS_H_
+
+#include <vector>
+
+#include "client/tool/cli/voxelize_options.h"
+#include "deploy/manual/option_row.h"
+
+namespace latvox::client {
+
+std::vector<OptionRow> SetRows(VoxelizeWords& words);
+
+// Returns the set that the words mean. Throws UsageError, as InterpretRequest.
+VoxelSet InterpretSet(const VoxelizeWords& words);
+
+// Writes the fields to `options`, and what they need. Throws UsageError, as InterpretRequest: an output cannot hold
+// them.
+//   options   otherwise complete
+void InterpretFields(const VoxelizeWords& words, VoxelizeOptions& options);
+
+}  // namespace latvox::client
+
+#endif  // LATVOX_CLIENT_TOOL_CLI_SET_OPTIONS_H_

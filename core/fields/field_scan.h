@@ -1,0 +1,92 @@
+// The fields of a tile's voxels.
+#ifndef LATVOX_CORE_FIELDS_FIELD_SCAN_H_
+#define LATVOX_CORE_FIELDS_FIELD_SCAN_H_
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/band/triangle_distance.h"
+#include "core/base/stop_signal.h"
+#include "core/brick/brick.h"
+#include "core/fields/field_writer.h"
+#include "core/fields/plan.h"
+#include "core/fields/shape_cache.h"
+#include "core/fields/triangle_index.h"
+#include "core/snap/snap.h"
+#include "core/solid/interior.h"
+
+namespace latvox {
+
+// The facts that all tiles of a job share.
+struct FieldContext {
+  const SnappedMesh& mesh;
+  const FieldPlan& plan;
+  const TriangleIndex* index;  // null unless plan.is_searched
+  std::vector<std::unique_ptr<FieldWriter>> writers;
+  StopSignal stop;
+};
+
+// Each thread has its own, and reuses it from tile to tile: some 0.5 MiB, and 16 bytes for each triangle that is
+// equally near to one voxel.
+//
+// The nearest triangle is decided exactly. Doubles sort out most triangles. Of the others, many share the corner or the
+// edge that is nearest to the voxel, so that they are at the same distance. Integers compare the rest. So fields depend
+// on the mesh alone, and not on tiles, threads or kernels; only numbers of triangles depend on their order.
+class FieldScan {
+ public:
+  // Finds tile.fields, which are incomplete once the job is cancelled. Takes tile.squares away.
+  //   triangles   all that meet the tile; only needed for signs
+  //   interior    null, or that which decides on signs
+  void Find(const FieldContext& context, std::span<const uint32_t> triangles, const Interior* interior,
+            TileBricks& tile);
+
+ private:
+  // A triangle that may be the nearest.
+  struct Candidate {
+    double square;  // as TriangleDistance::SquareTo
+    uint32_t triangle;
+  };
+
+  // The smallest numbers among the corners of a triangle that are nearest to a point.
+  struct Corner {
+    __int128 square;  // of the distance, as of Inner
+    std::array<uint32_t, kMostMeshFields> numbers;
+  };
+
+  // A triangle near a brick, with its box as in TriangleIndex.
+  struct Listed {
+    Vec3d low, high;
+    uint32_t triangle;
+  };
+
+  void FindBrick(const FieldContext& context, const Brick& brick, const double*& square, TileBricks& tile);
+  void List(const FieldContext& context, const Vec3i& brick_min);
+  void FindCandidates(const FieldContext& context, const Vec3i& point, double bound);
+  void Offer(const FieldContext& context, uint32_t number, const Vec3i& point, double& limit);
+  void Decide(const FieldContext& context, Nearest& nearest);
+  bool AgreeOnNumbers(const FieldContext& context, Nearest& nearest);
+  int CompareWithWinner(const TriangleDistance& shape, const std::optional<TriangleFeature>& feature,
+                        const Vec3i& point) const;
+  static Corner NearestCorner(const FieldContext& context, uint32_t triangle, const Vec3i& point);
+
+  Vec3i tile_min_{};  // local
+  InteriorRows inside_;
+  bool has_inside_ = false;
+  ShapeCache shapes_;
+  // All triangles that may be the nearest to a voxel of the brick, if these are few.
+  std::vector<Listed> list_;
+  bool has_list_ = false;
+  std::vector<Candidate> candidates_;
+  double least_ = 0;  // the smallest square among them
+  // The nearest triangle so far, also of the voxel before.
+  std::optional<TriangleDistance> winner_;
+  std::optional<TriangleFeature> feature_;  // of winner_
+};
+
+}  // namespace latvox
+
+#endif  // LATVOX_CORE_FIELDS_FIELD_SCAN_H_

@@ -1,0 +1,69 @@
+#include "core/fields/plan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "absl/strings/str_format.h"
+#include "core/base/status_payload.h"
+#include "core/lattice/frame.h"
+#include "core/snap/snap.h"
+
+namespace latvox {
+namespace {
+
+// Distances are between 2^-40 of a voxel size, or 0, and 2^19 of it.
+absl::Status CheckDistances(double size) {
+  constexpr double kLeast = 0x1p-86, kMost = 0x1p108;
+  if (size >= kLeast && size <= kMost) return absl::OkStatus();
+  return WithField(absl::InvalidArgumentError(absl::StrFormat(
+                       "fields: for distances, the voxel size %g is not within %g and %g", size, kLeast, kMost)),
+                   "fields", absl::StrFormat("%g", size), absl::StrFormat("%g", size < kLeast ? kLeast : kMost));
+}
+
+double LengthOf(const Vec3d& v) { return std::sqrt(Dot(v, v)); }
+
+// The distance of voxels from the mesh, world units; infinite if there is no bound. A separating voxel is an end of a
+// link along a frame, and the mesh crosses the nearer half of that link. The cell of a supercover's voxel meets the
+// mesh. It reaches no farther than half the diagonal of a box with sides as long as the basis vectors, because the
+// nearest plane method finds a lattice point within that distance of any point.
+double FarthestVoxel(const VoxelRequest& request, const Lattice& lattice) {
+  if (request.band() != nullptr || request.solid() != nullptr) return std::numeric_limits<double>::infinity();
+  const Mat3d& basis = lattice.basis();
+  if (request.is_supercover()) return LengthOf({LengthOf(basis[0]), LengthOf(basis[1]), LengthOf(basis[2])}) / 2;
+  double longest = 0;
+  for (const Frame& frame : lattice.frames(request.separability)) {
+    longest = std::max(longest, LengthOf(Apply(basis, ToDouble(frame.q))));
+  }
+  return longest / 2;
+}
+
+}  // namespace
+
+absl::StatusOr<FieldPlan> MakeFieldPlan(const VoxelRequest& request, const Lattice& lattice,
+                                        std::vector<uint32_t> of_vertices) {
+  const double size = lattice.voxel_size();
+  if (request.fields.Contains(Field::kDistance)) {
+    if (absl::Status status = CheckDistances(size); !status.ok()) return status;
+  }
+  const absl::StatusOr<Metric> metric = MakeMetric(lattice);
+  if (!metric.ok()) return metric.status();
+  constexpr double kSlack = 1 + 0x1p-16;  // for rounding, including that of the metric and of a supercover's cell
+  const double farthest = FarthestVoxel(request, lattice) / size * kLatticeUnit * kSlack;
+  const bool has_band = request.band() != nullptr;
+  return FieldPlan{
+      .fields = request.fields,
+      .is_signed = request.signed_distance,
+      .has_squares = has_band,
+      .is_searched = !has_band || request.fields != FieldList{Field::kDistance},
+      .metric = *metric,
+      .most_square = farthest * farthest,
+      .unit = size / kLatticeUnit,
+      .most_distance = has_band ? WidthOf(*request.band(), lattice) : std::numeric_limits<double>::infinity(),
+      .basis = lattice.basis(),
+      .of_mesh = request.fields.OfMesh(),
+      .of_vertices = std::move(of_vertices)};
+}
+
+}  // namespace latvox

@@ -1,0 +1,36 @@
+// Decisions about the fields of a job, before its first tile.
+#ifndef LATVOX_CORE_FIELDS_PLAN_H_
+#define LATVOX_CORE_FIELDS_PLAN_H_
+
+#include <cstdint>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/band/metric.h"
+#include "core/base/vec.h"
+#include "core/lattice/lattice.h"
+#include "core/request/request.h"
+
+namespace latvox {
+
+struct FieldPlan {
+  FieldList fields;  // at least one
+  bool is_signed;    // distances are negative inside
+  bool has_squares;  // tiles bring the squares of their voxels' distances: those of a band
+  bool is_searched;  // fields need more than these squares
+  Metric metric;
+  double most_square;                 // of the distance of a voxel, in units; infinite for a set that may be far
+  double unit;                        // world length of a unit of the metric
+  double most_distance;               // world units: no distance is longer, as a 32-bit float; infinite without a band
+  Mat3d basis;                        // of the lattice, world units
+  FieldList of_mesh;                  // the fields of the mesh among `fields`
+  std::vector<uint32_t> of_vertices;  // as TriangleMesh::attributes: those of the fields of the mesh
+};
+
+// Errors: INVALID_ARGUMENT as MakeMetric, or if voxels are so small or large that 32-bit floats hold no distances.
+absl::StatusOr<FieldPlan> MakeFieldPlan(const VoxelRequest& request, const Lattice& lattice,
+                                        std::vector<uint32_t> of_vertices);
+
+}  // namespace latvox
+
+#endif  // LATVOX_CORE_FIELDS_PLAN_H_

@@ -1,0 +1,86 @@
+// Finds the triangles near a point, however far the nearest one is.
+#ifndef LATVOX_CORE_FIELDS_TRIANGLE_INDEX_H_
+#define LATVOX_CORE_FIELDS_TRIANGLE_INDEX_H_
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "core/band/metric.h"
+#include "core/base/stop_signal.h"
+#include "core/base/uninitialized.h"
+#include "core/base/vec.h"
+#include "core/snap/snap.h"
+
+namespace latvox {
+
+// A binary tree of boxes over the triangles, which are sorted along a Morton curve. Boxes lie in the metric's Cartesian
+// coordinates, in units, around the local origin: x = root * v. They are a little too large, never too small, so a
+// search misses no triangle. Threads: searches, any.
+class TriangleIndex {
+ public:
+  // The metric need not outlive it. Once stopped, the index is meaningless.
+  TriangleIndex(const SnappedMesh& mesh, const Metric& metric, StopSignal stop);
+
+  // The memory for each triangle, and more while it is made.
+  static constexpr uint64_t kBytesPerTriangle = 64;
+
+  // Calls visit(triangle) for all triangles with a distance from the box `low` to `high`, which may be a point, of at
+  // most sqrt(bound), and others, each once, the nearer ones mostly first. visit may lower `bound`.
+  template <class Visit>
+  void ForEachNear(const Vec3d& low, const Vec3d& high, const double& bound, Visit&& visit) const {
+    struct Entry {
+      double square;
+      size_t node;
+    };
+    std::array<Entry, 2 * 32> stack;  // a level leaves at most one entry
+    size_t count = 0;
+    stack[count++] = {SquareTo(1, low, high), 1};
+    while (count > 0) {
+      const auto [square, node] = stack[--count];
+      if (square > bound) continue;
+      if (node >= leaves_) {
+        const size_t first = (node - leaves_) * kLeaf, end = std::min(first + kLeaf, order_.size());
+        for (size_t n = first; n < end; ++n) visit(order_[n]);
+        continue;
+      }
+      Entry near{SquareTo(2 * node, low, high), 2 * node}, far{SquareTo(2 * node + 1, low, high), 2 * node + 1};
+      if (near.square > far.square) std::swap(near, far);
+      stack[count++] = far;
+      stack[count++] = near;
+    }
+  }
+
+ private:
+  static constexpr size_t kLeaf = 4;  // triangles
+
+  struct Box {
+    std::array<float, 3> low, high;
+  };
+
+  void Sort(const SnappedMesh& mesh, StopSignal stop);
+  static Box Around(const Box& a, const Box& b);
+  Box BoxOf(const SnappedMesh& mesh, const Metric& metric, size_t leaf) const;
+
+  // The square of the distance from a box to that of a node.
+  double SquareTo(size_t node, const Vec3d& low, const Vec3d& high) const {
+    double square = 0;
+    for (size_t m = 0; m < 3; ++m) {
+      const double beyond =
+          std::max({double{boxes_[node].low[m]} - high[m], low[m] - double{boxes_[node].high[m]}, 0.0});
+      square += beyond * beyond;
+    }
+    return square;
+  }
+
+  std::vector<uint32_t> order_;     // the triangles, kLeaf to a leaf
+  size_t leaves_ = 1;               // a power of two
+  UninitializedVector<Box> boxes_;  // node n has the children 2n and 2n + 1; leaves from leaves_ on; empty ones are far
+};
+
+}  // namespace latvox
+
+#endif  // LATVOX_CORE_FIELDS_TRIANGLE_INDEX_H_
