@@ -177,7 +177,7 @@ double VisitsOfThinning(double found, double most, const Needles& needles, const
 // The search for the nearest triangles: an index of all triangles, and a walk through it for each voxel. Voxels far
 // from the mesh have many triangles at nearly the same distance.
 double VisitsOfFields(const TriangleMesh& mesh, double voxels, const VoxelRequest& request) {
-  constexpr double kPerTriangle = 20, kPerVoxel = 100, kPerSolidVoxel = 700;  // at 15 ns; in a band at 100 ns
+  constexpr double kPerTriangle = 20, kPerVoxel = 100, kPerSolidVoxel = 1000;  // at 15 ns; in a band at 100 ns
   const bool is_band = request.band() != nullptr;
   if (request.fields.empty() || (is_band && request.fields == FieldList{Field::kDistance})) return 0;
   const double per_voxel = request.solid() != nullptr ? kPerSolidVoxel : kPerVoxel;

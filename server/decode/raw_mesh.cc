@@ -65,12 +65,12 @@ void Copy(const absl::Cord& bytes, uint64_t begin, size_t size, void* out) {
   }
 }
 
-// Returns the index of the attribute among those of the layout.
+// Returns the index of the field among those of the layout.
 absl::StatusOr<size_t> IndexOf(Field wanted, const RawMeshLayout& layout) {
   const auto fields = layout.attributes.view();
   const auto found = std::find(fields.begin(), fields.end(), wanted);
   if (found != fields.end()) return static_cast<size_t>(found - fields.begin());
-  return MakeError(absl::StatusCode::kInvalidArgument, absl::StrCat("attributes: the mesh has no ", NameOf(wanted)),
+  return MakeError(absl::StatusCode::kInvalidArgument, absl::StrCat("fields: the mesh has no ", NameOf(wanted)),
                    {"BAD_MESH", "fields", NameOf(wanted), ""});
 }
 

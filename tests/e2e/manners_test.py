@@ -68,9 +68,9 @@ class Manners(Case):
         self.assertEqual(self.run_here("voxelize", self.mesh, "--resolution", 2, "--json")[1], "")
 
     def test_a_solid_tells_that_centers_may_lie_outside(self):
-        solid = ["voxelize", self.mesh, "--resolution", "20", "--set", "solid", "-o", "a.csv"]
-        self.assertIn(b"with the surface, whose centers may lie outside\n", self.run_here(*solid)[0])
-        self.assertIn(b"without the surface\n", self.run_here(*solid, "--without-surface")[0])
+        command = ["voxelize", self.mesh, "--resolution", "20", "-o", "a.csv", "--set"]
+        self.assertIn(b"with the surface, whose centers may lie outside\n", self.run_here(*command, "solid")[0])
+        self.assertIn(b"without the surface\n", self.run_here(*command, "interior")[0])
 
     def test_versions(self):
         texts = {self.run_here(word)[0] for word in ("-V", "--version", "version")}

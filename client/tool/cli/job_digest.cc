@@ -70,15 +70,16 @@ Json LatticeJson(const std::variant<NamedLattice, Basis>& lattice) {
 }
 
 Json RequestJson(const VoxelizeRequest& request) {
+  const std::string set = NameOf(request.set);
   Json json = {{"lattice", LatticeJson(request.lattice)},
                {"voxel_size", OrNull(request.voxel_size)},
                {"resolution", OrNull(request.resolution)},
                {"origin", OrNull(request.origin)},
                {"separability", request.separability},
-               {"minimal", OrNull(request.minimal)},
+               {"minimal", request.minimal.value_or(set == "surface" || set == "solid")},
                {"verify", request.verify},
                {"algorithm", static_cast<int>(request.algorithm)},
-               {"set", NameOf(request.set)}};
+               {"set", set}};
   if (request.placement) json["placement"] = NameOf(*request.placement);
   if (request.region) json["region"] = {request.region->min, request.region->max};
   if (request.bounds) json["bounds"] = {request.bounds->min, request.bounds->max};

@@ -57,6 +57,7 @@ v1::VoxelizeResponse SummaryOf(int first_tile, int tiles, uint64_t mesh_bytes) {
   summary.set_tiles(tiles - first_tile);
   summary.set_mesh_bytes(mesh_bytes);
   summary.mutable_certificate()->set_digest(digest.ToHex());
+  summary.mutable_certificate()->set_set("surface");
   return response;
 }
 
