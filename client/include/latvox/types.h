@@ -99,15 +99,19 @@ enum class Field {
 };
 
 // The types of a field's components.
-enum class NumberType { kUint8, kUint32, kFloat32 };
+enum class NumberType {
+  kUint8,    // unsigned, 8 bits
+  kUint32,   // unsigned, 32 bits, little-endian
+  kFloat32,  // IEEE 754, 32 bits, little-endian
+};
 
 // A field's name, and the form of its values.
 struct FieldFacts {
-  Field field;
-  const char* name;  // in the protocol, in files and on the command line
-  NumberType type;   // of each component
-  size_t components;
-  bool is_of_mesh;  // each vertex of the mesh has a number for it
+  Field field;        // the field of this row
+  const char* name;   // in the protocol, in files and on the command line
+  NumberType type;    // of each component
+  size_t components;  // of a voxel
+  bool is_of_mesh;    // each vertex of the mesh has a number for it
 
   // Returns the bytes of a voxel.
   constexpr size_t bytes() const { return components * (type == NumberType::kUint8 ? 1 : 4); }
@@ -141,8 +145,8 @@ inline bool CarriesField(std::span<const Field> fields, Field field) {
 // The values of voxels for one field, without gaps: FieldFacts::bytes for each voxel, brick after brick, and within a
 // brick in lexicographic order of ijk.
 struct FieldValues {
-  Field field = Field::kPart;
-  std::vector<std::byte> bytes = {};
+  Field field = Field::kPart;         // the field that voxels carry
+  std::vector<std::byte> bytes = {};  // little-endian
 
   // Returns all components. T is uint8_t, uint32_t or float, as FieldFacts::type says.
   template <class T>
@@ -348,8 +352,8 @@ struct BandFacts {
 
 // A field of a result.
 struct FieldCertificate {
-  Field field = Field::kPart;
-  std::string digest;  // of voxels and field, 32 hexadecimal digits
+  Field field = Field::kPart;  // the field that voxels carry
+  std::string digest;          // of voxels and field, 32 hexadecimal digits
   bool operator==(const FieldCertificate&) const = default;
 };
 
