@@ -394,7 +394,7 @@ TEST(Fields, HaveNegativeDistancesInside) {
 TEST(Fields, OfPartsAddUp) {
   const FieldList fields{Field::kPart, Field::kDistance, Field::kNormal};
   std::mt19937 random(9);
-  TriangleMesh mesh = Sphere(20, 60);
+  TriangleMesh mesh = Sphere(20, 30);
   SetRandomNumbers(1, 1000, random, mesh);
   const Grid grid = Unscaled(Lattice::Named(NamedLattice::kBcc));
   for (const SetOption& set : {SetOption{SeparatingSurface{}}, SetOption{Band{2, true}}, SetOption{Solid{}}}) {
@@ -417,14 +417,14 @@ TEST(Fields, OfPartsAddUp) {
     EXPECT_EQ(joined, carried);
 
     VoxelizeOptions cut = options;
-    cut.region = IndexBox{{-30, -5, 7}, {33, 70, 41}};
+    cut.region = IndexBox{{-15, -3, 4}, {17, 35, 21}};
     Carried in_region;
     std::copy_if(carried.begin(), carried.end(), std::inserter(in_region, in_region.end()),
                  [&](const auto& voxel) { return cut.region->Contains(voxel.first); });
     EXPECT_EQ(CarriedBy(Voxelize(mesh, grid, cut), fields), in_region);
 
     cut = options;
-    cut.bounds = Bounds{{-20, -30, -10}, {50, 41, 22}};
+    cut.bounds = Bounds{{-10, -15, -5}, {25, 21, 11}};
     Carried in_bounds;
     std::copy_if(carried.begin(), carried.end(), std::inserter(in_bounds, in_bounds.end()), [&](const auto& voxel) {
       const Vec3d center = Apply(grid.lattice.basis(), ToDouble(voxel.first));
@@ -445,7 +445,7 @@ TEST(Fields, OfPartsAddUp) {
 
 TEST(Fields, AreTheSameForAnyThreadsAndOrder) {
   std::mt19937 random(9);
-  TriangleMesh mesh = Sphere(20, 60);
+  TriangleMesh mesh = Sphere(20, 30);
   SetRandomNumbers(1, 1000, random, mesh);
   const Grid grid = Unscaled(Lattice::Named(NamedLattice::kBcc));
   TriangleMesh plain = mesh;
