@@ -20,10 +20,10 @@ FieldTiles::FieldTiles(const SnappedMesh& mesh, const FieldPlan* plan, const Tri
     : context_(MakeContext(mesh, plan, index, stop)) {}
 
 void FieldTiles::Add(std::span<const uint32_t> triangles, const Interior* interior, std::span<TileBricks> tiles) const {
-  for (TileBricks& tile : tiles) {
-    if (!context_) tile.squares = {};
+  if (!context_) {
+    for (TileBricks& tile : tiles) tile.squares = {};
+    return;
   }
-  if (!context_) return;
   std::unique_ptr<FieldScan> scan = scans_.Reserve();
   for (TileBricks& tile : tiles) scan->Find(*context_, triangles, interior, tile);
   if (!context_->stop.Stopped()) scans_.Release(std::move(scan));
