@@ -33,9 +33,9 @@ struct FieldContext {
 // Each thread has its own, and reuses it from tile to tile: some 0.5 MiB, and 16 bytes for each triangle that is
 // equally near to one voxel.
 //
-// The nearest triangle is decided exactly. Doubles sort out most triangles. Of the others, many share the corner or the
-// edge that is nearest to the voxel, so that they are at the same distance. Integers compare the rest. So fields depend
-// on the mesh alone, and not on tiles, threads or kernels; only numbers of triangles depend on their order.
+// The scan decides exactly on the nearest triangle. Doubles sort out most triangles. Two triangles with the same nearest
+// corner or edge are at the same distance. Integers compare all others. So fields do not depend on tiles, threads or
+// kernels. Only numbers of triangles depend on the order of triangles.
 class FieldScan {
  public:
   // Finds tile.fields, which are incomplete once the job is cancelled. Takes tile.squares away.

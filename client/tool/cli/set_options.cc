@@ -50,7 +50,7 @@ std::string CheckBand(const std::string& text) {
   return absl::StrCat("\"", text, "\" is not a finite number above 0, with or without v for voxel sizes");
 }
 
-// The names of sets, with the values of those that need no further option.
+// The names of sets. Those that need no further option have their value here.
 const Names<VoxelSet>& SetNames() {
   static const auto* const kNames =
       new Names<VoxelSet>{{"surface", Surface{}},
