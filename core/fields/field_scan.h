@@ -33,9 +33,9 @@ struct FieldContext {
 // Each thread has its own, and reuses it from tile to tile: some 0.5 MiB, and 16 bytes for each triangle that is
 // equally near to one voxel.
 //
-// The scan decides exactly on the nearest triangle. Doubles sort out most triangles. Two triangles with the same nearest
-// corner or edge are at the same distance. Integers compare all others. So fields do not depend on tiles, threads or
-// kernels. Only numbers of triangles depend on the order of triangles.
+// The scan decides exactly on the nearest triangle. Doubles sort out most triangles. Two triangles with the same
+// nearest corner or edge are at the same distance. Integers compare all others. So fields do not depend on tiles,
+// threads or kernels. Only numbers of triangles depend on the order of triangles.
 class FieldScan {
  public:
   // Finds tile.fields, which are incomplete once the job is cancelled. Takes tile.squares away.

@@ -202,7 +202,8 @@ enum class SolidSurface {
   kNone,        // none: every voxel's center is inside
 };
 
-// The sets of lattice points: see VoxelizeSpec.set in the protocol. The voxels of the mesh that separate its sides.
+// The voxels of the mesh that separate its sides. This type and the next three are sets: see VoxelizeSpec.set in the
+// protocol.
 struct Surface {
   bool operator==(const Surface&) const = default;
 };
