@@ -28,7 +28,12 @@ latvox_add_test(server_solid_test SOURCES unit/server/work/solid_test.cc
                 LIBRARIES latvox::server latvox_server_meshes GTest::gmock)
 latvox_add_test(server_attributes_test SOURCES unit/server/wire/attributes_test.cc
                 LIBRARIES latvox::server latvox_server_meshes draco::draco GTest::gmock)
-latvox_add_test(server_admission_test SOURCES unit/server/calls/admission_test.cc LIBRARIES latvox::server GTest::gmock)
+latvox_add_test(server_call_registry_test SOURCES unit/server/calls/call_registry_test.cc
+                LIBRARIES latvox::server GTest::gmock)
+latvox_add_test(server_memory_budget_test SOURCES unit/server/work/memory_budget_test.cc
+                LIBRARIES latvox::server GTest::gmock)
+latvox_add_test(server_mesh_store_test SOURCES unit/server/decode/mesh_store_test.cc
+                LIBRARIES latvox::server GTest::gmock)
 latvox_add_test(server_control_group_test SOURCES unit/server/base/control_group_test.cc LIBRARIES latvox::server)
 latvox_add_test(server_resume_test SOURCES unit/server/calls/resume_test.cc
                 LIBRARIES latvox::server latvox_server_meshes GTest::gmock)

@@ -1,4 +1,6 @@
-// Admission: turns, memory, and stored meshes.
+// Turns: who is admitted, who works, and who waits.
+#include "server/calls/call_registry.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -8,12 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "absl/strings/escaping.h"
 #include "absl/time/clock.h"
 #include "server/base/errors.h"
-#include "server/calls/call_registry.h"
-#include "server/decode/mesh_store.h"
-#include "server/work/memory_budget.h"
 
 namespace latvox {
 namespace {
@@ -273,154 +271,6 @@ TEST(CallRegistry, AsksEveryCallWhetherItsClientStalls) {
   registry.EndStalled(absl::Seconds(7));
   EXPECT_EQ(working->patience_asked, absl::Seconds(7));
   EXPECT_EQ(waiting->patience_asked, absl::Seconds(7));
-}
-
-TEST(MemoryBudget, IsSharedAndGivenBack) {
-  MemoryBudget budget(100);
-  MemoryReservation a(budget);
-  {
-    MemoryReservation b(budget);
-    EXPECT_TRUE(a.Grow(60).ok());
-    EXPECT_TRUE(a.Grow(50).ok()) << "has that";
-    EXPECT_TRUE(b.Grow(40).ok());
-    EXPECT_EQ(budget.reserved(), 100);
-    const absl::Status busy = b.Grow(41);
-    EXPECT_EQ(busy.code(), absl::StatusCode::kResourceExhausted);
-    EXPECT_EQ(busy.message(), "memory: 41 bytes are needed, and others have 60 of 100; try again");
-    EXPECT_TRUE(RetryDelayOf(busy));
-    const absl::Status never = b.Grow(101);
-    EXPECT_EQ(never.message(), "memory 101 exceeds 100");
-    EXPECT_FALSE(RetryDelayOf(never));
-  }
-  EXPECT_EQ(budget.reserved(), 60);
-  EXPECT_TRUE(a.Grow(100).ok());
-  a.Shrink(10);
-  a.Shrink(20);
-  EXPECT_EQ(a.bytes(), 10);
-  EXPECT_EQ(budget.reserved(), 10);
-}
-
-TEST(MemoryBudget, AClientThatIsInTheWayOfAnotherGetsNoMoreThanHalf) {
-  MemoryBudget budget(100);
-  MemoryReservation first(budget, "a"), second(budget, "a"), other(budget, "b");
-  EXPECT_TRUE(first.Grow(80).ok()) << "alone";
-  EXPECT_FALSE(budget.WasShort());
-  EXPECT_FALSE(other.Grow(30).ok());
-  EXPECT_TRUE(budget.WasShort());
-  EXPECT_FALSE(budget.WasShort());
-  first.Shrink(40);
-  EXPECT_EQ(second.Grow(20).message(),
-            "memory: 20 bytes are needed, and other jobs of this client have 40 of its share of 50; try again");
-  EXPECT_TRUE(other.Grow(30).ok());
-  EXPECT_TRUE(second.Grow(10).ok());
-  EXPECT_EQ(budget.reserved(), 80);
-}
-
-TEST(MemoryBudget, RefusesSizesThatWouldWrapAround) {
-  MemoryBudget budget(100);
-  MemoryReservation a(budget), b(budget);
-  ASSERT_TRUE(a.Grow(100).ok());
-  EXPECT_FALSE(b.Grow(UINT64_MAX).ok());
-  EXPECT_FALSE(a.Grow(UINT64_MAX).ok());
-  EXPECT_EQ(budget.reserved(), 100);
-}
-
-TEST(DefaultMemoryBudget, IsLessThanTheMachineHas) {
-  EXPECT_GT(DefaultMemoryBudget(), uint64_t{64} << 20);
-  EXPECT_LT(DefaultMemoryBudget(), uint64_t{1} << 50);
-}
-
-TEST(DefaultMemoryBudget, IsHalfForOneThatSharesItButWhatItNeedsToStart) {
-  constexpr uint64_t kMiB = uint64_t{1} << 20;
-  for (const auto& [all, shared] : {std::pair<uint64_t, uint64_t>{6144, 3072}, {512, 256}, {384, 256}, {100, 100}}) {
-    EXPECT_EQ(SharedMemoryBudget(all * kMiB), shared * kMiB) << all;
-  }
-}
-
-// FIPS 180-2, appendix B.1.
-TEST(MeshDigest, IsSha256OfAllPieces) {
-  absl::Cord cord("a");
-  cord.Append(absl::MakeCordFromExternal("bc", [](absl::string_view) {}));
-  const MeshDigest digest = DigestOf(cord);
-  EXPECT_EQ(absl::BytesToHexString({reinterpret_cast<const char*>(digest.data()), digest.size()}),
-            "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
-}
-
-MeshDigest Digest(int n) { return DigestOf(absl::Cord(std::string(1, static_cast<char>(n)))); }
-absl::Cord Bytes(size_t size) { return absl::Cord(std::string(size, 'x')); }
-
-TEST(MeshStore, DropsTheLeastRecentlyUsedFirst) {
-  MeshStore store(100);
-  store.Put(Digest(1), Bytes(40));
-  store.Put(Digest(2), Bytes(40));
-  EXPECT_TRUE(store.Find(Digest(1)));  // a use
-  store.Put(Digest(3), Bytes(40));
-  EXPECT_TRUE(store.Find(Digest(1)));
-  EXPECT_FALSE(store.Find(Digest(2)));
-  EXPECT_TRUE(store.Find(Digest(3)));
-  EXPECT_EQ(store.bytes(), 80);
-  store.Put(Digest(1), Bytes(40));  // again: a use, and no more bytes
-  EXPECT_EQ(store.bytes(), 80);
-  store.Put(Digest(4), Bytes(60));
-  EXPECT_FALSE(store.Find(Digest(3)));
-  EXPECT_EQ(store.Find(Digest(4))->size(), 60);
-  EXPECT_EQ(store.bytes(), 100);
-}
-
-DecodedMesh Decoded(size_t triangles) {
-  DecodedMesh decoded;
-  decoded.mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-  decoded.mesh.triangles.assign(triangles, {0, 1, 2});
-  return decoded;
-}
-
-TEST(MeshStore, KeepsDecodedMeshesInTheRoomThatEncodedOnesLeave) {
-  const FieldList none, part{Field::kPart};
-  MeshStore store(3000);
-  store.Put(Digest(1), Bytes(40));
-  ASSERT_TRUE(store.KeepDecoded(Digest(1), none, Decoded(100)));
-  const auto kept = store.FindDecoded(Digest(1), none);
-  ASSERT_TRUE(kept);
-  EXPECT_EQ(kept->mesh.triangles.size(), 100);
-  EXPECT_FALSE(store.FindDecoded(Digest(1), part));
-  EXPECT_FALSE(store.FindDecoded(Digest(2), none));
-  const uint64_t bytes = store.bytes() - 40;
-  EXPECT_GE(bytes, 1200 + 36);
-
-  store.KeepDecoded(Digest(2), none, Decoded(100));
-  EXPECT_TRUE(store.FindDecoded(Digest(1), none));  // a use
-  store.KeepDecoded(Digest(3), none, Decoded(100));
-  EXPECT_TRUE(store.FindDecoded(Digest(1), none));
-  EXPECT_FALSE(store.FindDecoded(Digest(2), none));
-  EXPECT_TRUE(store.FindDecoded(Digest(3), none));
-  EXPECT_EQ(store.bytes(), 40 + 2 * bytes);
-
-  DecodedMesh again = Decoded(100);
-  EXPECT_FALSE(store.KeepDecoded(Digest(1), part, std::move(again)));
-  EXPECT_EQ(again.mesh.triangles.size(), 100);  // not taken
-
-  // Encoded meshes go before decoded ones, and are not dropped for one.
-  store.Put(Digest(4), Bytes(2900));
-  EXPECT_EQ(store.bytes(), 2940);
-  EXPECT_FALSE(store.KeepDecoded(Digest(1), none, std::move(again)));
-  EXPECT_EQ(again.mesh.triangles.size(), 100);
-  EXPECT_EQ(store.bytes(), 2940);
-  EXPECT_EQ(kept->mesh.triangles.size(), 100);
-}
-
-TEST(MeshStore, KeepsNoDecodedMeshIfToldSo) {
-  MeshStore store(3000, false);
-  store.KeepDecoded(Digest(1), {}, Decoded(100));
-  EXPECT_FALSE(store.FindDecoded(Digest(1), {}));
-  EXPECT_EQ(store.bytes(), 0);
-}
-
-TEST(MeshStore, LeavesAMeshOutThatAloneExceedsIt) {
-  MeshStore store(100);
-  store.Put(Digest(1), Bytes(40));
-  store.Put(Digest(2), Bytes(101));
-  EXPECT_FALSE(store.Find(Digest(2)));
-  EXPECT_TRUE(store.Find(Digest(1)));
 }
 
 }  // namespace
