@@ -71,7 +71,7 @@ void FieldScan::FindBrick(const FieldContext& context, const Brick& brick, const
         FindCandidates(context, nearest.point, square != nullptr ? nearest.square : context.plan.most_square);
         if (context.stop.Stopped()) return;
         nearest.square = least_;
-        Decide(context, nearest);
+        if (!Decide(context, nearest)) return;
       }
       for (size_t n = 0; n < context.writers.size(); ++n) context.writers[n]->Append(nearest, tile.fields[n]);
     }
@@ -157,16 +157,16 @@ void FieldScan::Offer(const FieldContext& context, uint32_t number, const Vec3i&
   limit = least_ * (1 + kDoubt);
 }
 
-// Finds the members of `nearest` after `square`.
-void FieldScan::Decide(const FieldContext& context, Nearest& nearest) {
+// Finds the members of `nearest` after `square`. Returns false if the job was stopped before.
+bool FieldScan::Decide(const FieldContext& context, Nearest& nearest) {
   assert(!candidates_.empty());
   const FieldPlan& plan = context.plan;
   const bool has_numbers = !plan.of_mesh.empty();
-  if (plan.of_mesh.size() == plan.fields.size() && AgreeOnNumbers(context, nearest)) return;
+  if (plan.of_mesh.size() == plan.fields.size() && AgreeOnNumbers(context, nearest)) return true;
   winner_.reset();
   Corner best{};
   for (const Candidate& candidate : candidates_) {
-    if (winner_ && context.stop.Stopped()) return;
+    if (winner_ && context.stop.Stopped()) return false;
     const TriangleDistance& shape = shapes_.At(context.mesh, plan.metric, candidate.triangle);
     std::optional<TriangleFeature> feature;
     if (candidates_.size() > 1) feature = shape.FeatureNear(nearest.point);
@@ -189,6 +189,7 @@ void FieldScan::Decide(const FieldContext& context, Nearest& nearest) {
   }
   nearest.shape = &*winner_;
   if (has_numbers) nearest.numbers = best.numbers;
+  return true;
 }
 
 // Which triangle is nearest matters to these only if their numbers differ. Mostly they have the same ones, because they

@@ -38,7 +38,7 @@ struct FieldContext {
 // threads or kernels. Only numbers of triangles depend on the order of triangles.
 class FieldScan {
  public:
-  // Finds tile.fields, which are incomplete once the job is cancelled. Takes tile.squares away.
+  // Finds tile.fields, which are incomplete once the job is stopped. Takes tile.squares away.
   //   triangles   all that meet the tile; only needed for signs
   //   interior    null, or that which decides on signs
   void Find(const FieldContext& context, std::span<const uint32_t> triangles, const Interior* interior,
@@ -67,7 +67,7 @@ class FieldScan {
   void List(const FieldContext& context, const Vec3i& brick_min);
   void FindCandidates(const FieldContext& context, const Vec3i& point, double bound);
   void Offer(const FieldContext& context, uint32_t number, const Vec3i& point, double& limit);
-  void Decide(const FieldContext& context, Nearest& nearest);
+  bool Decide(const FieldContext& context, Nearest& nearest);
   bool AgreeOnNumbers(const FieldContext& context, Nearest& nearest);
   int CompareWithWinner(const TriangleDistance& shape, const std::optional<TriangleFeature>& feature,
                         const Vec3i& point) const;

@@ -96,6 +96,7 @@ FinishedUnit ExactJob::Finish(TileNode unit) const {
   FinishedUnit finished{.unit = std::move(unit), .complete = false, .tiles = {}, .totals = {}};
   finished.tiles = scan_.Scan(finished.unit, interior_.get());
   finished.complete = !scan_stop_.Stopped();
+  if (!finished.complete) return finished;  // voxels may lack fields
   finished.totals.resize(finished.tiles.size());
   for (size_t n = 0; n < finished.tiles.size(); ++n) finished.totals[n].Add(finished.tiles[n]);
   return finished;
