@@ -5,6 +5,7 @@
 #include <cstdlib>
 
 #include "core/supercover/cut_triangle.h"
+#include "core/supercover/row_bounds.h"
 
 namespace latvox {
 namespace {
@@ -17,9 +18,6 @@ using Vec3l = Vec<int64_t, 3>;
 static_assert(2 * kZoneBits + 2 * kEdgeBits + 15 <= 127, "rooms must fit __int128");
 // The limits of int64: the largest b + D, and the largest D, which the plane needs three times.
 constexpr int kNarrowBits = (62 - 17) / 2, kNarrowCornerBits = (62 - 4) / 3;
-
-// Two for each facet and for the plane, and two for each edge and zone where the triangle has no area.
-constexpr size_t kMaxHalfSpaces = kMaxFacets + 2 + 2 * 3 * kMaxZones;
 
 template <class Int>
 Int Absolute(Int x) {
@@ -37,11 +35,6 @@ struct HalfSpace {
   Vec<Int, 3> normal;
   Int room;
   double inverse;  // 1 / |normal[2]|, or 0
-};
-
-// A row of voxels, k = first .. last.
-struct Interval {
-  int32_t first, last;
 };
 
 // Reduces the interval of the row (i, j) to the points within; false if none is left.
@@ -74,50 +67,16 @@ bool Cut(const HalfSpace<Int>& half_space, int32_t i, int32_t j, Interval& k) {
   return k.first <= k.last;
 }
 
-// Half-spaces on one side of the rows, in doubles: (room - normal . (i, j)) / |normal[2]| for each.
-class Slopes {
- public:
-  // Terms are below kMaxTerm in size, and the rounding of all of them together is below kDoubt.
-  bool Add(double room, double i, double j) {
-    if (std::abs(room) + (std::abs(i) + std::abs(j)) * kMaxRow > kMaxTerm) return false;
-    room_[size_] = room;
-    i_[size_] = i;
-    j_[size_] = j;
-    ++size_;
-    return true;
-  }
-
-  double Least(int32_t i, int32_t j) const {
-    const double x = i, y = j;
-    std::array<double, 4> least;
-    least.fill(kMaxTerm * 2);
-    size_t n = 0;
-    for (; n + 4 <= size_; n += 4) {
-      for (size_t m = 0; m < 4; ++m) {
-        const double at = room_[n + m] - i_[n + m] * x - j_[n + m] * y;
-        least[m] = at < least[m] ? at : least[m];
-      }
-    }
-    for (; n < size_; ++n) least[0] = std::min(least[0], room_[n] - i_[n] * x - j_[n] * y);
-    return std::min(std::min(least[0], least[1]), std::min(least[2], least[3]));
-  }
-
- private:
-  static constexpr double kMaxRow = 2 * kMaxExtent, kMaxTerm = 1 << 28;
-
-  std::array<double, kMaxHalfSpaces> room_, i_, j_;
-  size_t size_ = 0;
-};
-constexpr double kDoubt = 0x1p-20;
+// So many rows of a plane take as long as cutting the triangle to the plane.
+constexpr int32_t kFewRows = 32;
 
 }  // namespace
 
-// The sum of a triangle and the cell, relative to the voxel `base`. A triangle that is small beside a cell meets few
-// cells that contain none of its corners. For the others, the cell's own facets decide, and the rest is not needed.
+// The sum of a triangle and the cell, relative to the voxel `base`.
 template <class Int>
 class Supercover::Polytope {
  public:
-  Polytope(const Supercover& cover, const Triangle& triangle, const Vec3i& base, bool is_small)
+  Polytope(const Supercover& cover, const Triangle& triangle, const Vec3i& base)
       : cover_(cover),
         cut_(
             {triangle[0] - base * kLatticeUnit, triangle[1] - base * kLatticeUnit, triangle[2] - base * kLatticeUnit}) {
@@ -126,10 +85,9 @@ class Supercover::Polytope {
     }
     normal_ = Cross(v_[1] - v_[0], v_[2] - v_[0]);
     is_flat_ = (normal_[0] | normal_[1] | normal_[2]) == 0;
-    if (!is_small) AddPlane();
+    AddPlane();
     AddFacets();
-    if (!is_small) AddEdges();
-    complete_ = !is_small;
+    AddEdges();
   }
 
   // Calls run for each row of `box`, which is relative, too.
@@ -137,24 +95,27 @@ class Supercover::Polytope {
     const Interval all{box.min[2], box.max[2] - 1};
     for (int32_t i = box.min[0]; i < box.max[0]; ++i) {
       const Interval rows = RowsOf(i, {box.min[1], box.max[1] - 1});
-      for (int32_t j = rows.first; j <= rows.last; ++j) {
-        Interval k = CutRow(i, j, all);
-        if (!complete_ && k.first <= k.last && !(HoldsCorner({i, j, k.first}) && HoldsCorner({i, j, k.last}))) {
-          AddPlane();
-          AddEdges();
-          complete_ = true;
-          k = CutRow(i, j, all);
+      for (int32_t j = rows.first; j <= rows.last;) {
+        const int32_t count = std::min(rows.last - j + 1, RowBounds::kRows);
+        bounds_.Find(i, j, count, all, rows_);
+        for (int32_t n = 0; n < count; ++n, ++j) {
+          const Interval k = Decide(i, j, all, {rows_.first[n], rows_.last[n]});
+          if (k.first <= k.last) run(base + Vec3i{i, j, k.first}, k.last - k.first + 1);
         }
-        if (k.first <= k.last) run(base + Vec3i{i, j, k.first}, k.last - k.first + 1);
       }
     }
+  }
+
+  // Returns the interval of one row.
+  Interval CutRow(int32_t i, int32_t j, Interval k) const {
+    for (size_t n = 0; n < size_ && Cut(half_spaces_[n], i, j, k); ++n) continue;
+    return k;
   }
 
  private:
   // Among the rows (i, j), those that cells of the triangle's part between i - half an extent and i + half an extent
   // reach.
   Interval RowsOf(int32_t i, Interval j) const {
-    constexpr int32_t kFewRows = 8;
     if (j.last - j.first < kFewRows) return j;
     const Vec3i half = cover_.half_extent_lat_ + Vec3i{1, 1, 1};  // because these are rounded down
     const double middle = static_cast<double>(i) * kLatticeUnit;
@@ -164,31 +125,11 @@ class Supercover::Polytope {
             std::min(j.last, static_cast<int32_t>(std::floor((high + half[1]) / kLatticeUnit)))};
   }
 
-  // Returns the remaining interval of a row. Where doubles cannot decide, integers do.
-  Interval CutRow(int32_t i, int32_t j, Interval k) const {
-    const double most = upper_.Least(i, j), least = -lower_.Least(i, j);
-    const auto is_doubtful = [](double x) { return std::abs(x - std::nearbyint(x)) < kDoubt; };
-    if (most < k.first - 1 || least > k.last + 1 || least > most + 1) return {0, -1};
-    const bool cuts_last = most<k.last + 1, cuts_first = least> k.first - 1;
-    if ((cuts_last && is_doubtful(most)) || (cuts_first && is_doubtful(least))) {
-      for (size_t n = 0; n < size_ && Cut(half_spaces_[n], i, j, k); ++n) continue;
-      return k;
-    }
-    if (cuts_last) k.last = std::min(k.last, static_cast<int32_t>(std::floor(most)));
-    if (cuts_first) k.first = std::max(k.first, static_cast<int32_t>(std::ceil(least)));
+  // Returns the interval of a row, of which bounds_ has found `k`.
+  Interval Decide(int32_t i, int32_t j, const Interval& all, Interval k) const {
+    if (k.last == RowBounds::kDoubtful) return CutRow(i, j, all);
     for (size_t n = 0; n < steep_count_ && k.first <= k.last; ++n) Cut(half_spaces_[steep_[n]], i, j, k);
     return k;
-  }
-
-  // Returns whether one of the triangle's corners is in the voxel's cell.
-  bool HoldsCorner(const Vec3i& voxel) const {
-    std::array<bool, 3> holds{true, true, true};
-    for (size_t f = 0; f < cover_.facets_.size(); ++f) {
-      const Int at = Dot(As<Int>(cover_.facets_[f].normal), voxel) * kLatticeUnit;
-      const auto reach = static_cast<Int>(cover_.facets_[f].reach);
-      for (size_t n = 0; n < 3; ++n) holds[n] &= Absolute(facet_at_[f][n] - at) <= reach;
-    }
-    return holds[0] || holds[1] || holds[2];
   }
 
   Int At(const Vec<Int, 3>& normal, size_t corner) const { return Dot(normal, As<Int>(v_[corner])); }
@@ -197,11 +138,8 @@ class Supercover::Polytope {
     const auto step = static_cast<double>(normal[2]);
     const double inverse = step == 0 ? 0 : 1 / std::abs(step);
     const HalfSpace<Int> half_space{normal, room_lat >> kSubvoxelBits, inverse};
-    // Half a unit more decides ties, because all other terms are whole.
-    const double room = (static_cast<double>(half_space.room) + 0.5) * inverse;
-    Slopes& slopes = step > 0 ? upper_ : lower_;
-    if (step == 0 ||
-        !slopes.Add(room, static_cast<double>(normal[0]) * inverse, static_cast<double>(normal[1]) * inverse)) {
+    if (!bounds_.Add(static_cast<double>(half_space.room), static_cast<double>(normal[0]),
+                     static_cast<double>(normal[1]), step, 2 * kMaxExtent)) {
       steep_[steep_count_++] = size_;
     }
     half_spaces_[size_++] = half_space;
@@ -211,8 +149,7 @@ class Supercover::Polytope {
     for (size_t f = 0; f < cover_.facets_.size(); ++f) {
       const Vec<Int, 3> normal = As<Int>(cover_.facets_[f].normal);
       const auto reach = static_cast<Int>(cover_.facets_[f].reach);
-      for (size_t n = 0; n < 3; ++n) facet_at_[f][n] = At(normal, n);
-      const auto [least, most] = std::minmax({facet_at_[f][0], facet_at_[f][1], facet_at_[f][2]});
+      const auto [least, most] = std::minmax({At(normal, 0), At(normal, 1), At(normal, 2)});
       Add(normal, most + reach);
       Add(-normal, reach - least);
     }
@@ -257,16 +194,16 @@ class Supercover::Polytope {
   const CutTriangle cut_;
   std::array<Vec3l, 3> v_;
   Vec3l normal_;
-  std::array<std::array<Int, 3>, kMaxFacets / 2> facet_at_;  // of the corners along each facet's normal
-  bool is_flat_, complete_;
+  bool is_flat_;
   std::array<HalfSpace<Int>, kMaxHalfSpaces> half_spaces_;
   size_t size_ = 0;
-  Slopes upper_, lower_;                      // bounds of k, and of -k
-  std::array<size_t, kMaxHalfSpaces> steep_;  // half-spaces in neither of these
+  RowBounds bounds_;
+  std::array<size_t, kMaxHalfSpaces> steep_;  // half-spaces that bounds_ lacks
   size_t steep_count_ = 0;
+  RowBounds::Rows rows_;  // the last ones
 };
 
-Supercover::Supercover(const IntegerCell& cell) : cell_(cell) {
+Supercover::Supercover(const IntegerCell& cell) : cell_(cell), short_(cell) {
   for (const Vec3i& w : cell_.facets()) {
     Facet facet{Apply(cell_.form(), w), 0};
     for (const CellZone& zone : cell_.zones())
@@ -297,11 +234,17 @@ void Supercover::ForEachRun(const Triangle& triangle, const IndexBox& box, Run r
   }
   int corner_bits = 0;
   while (longest >> corner_bits != 0) ++corner_bits;
-  constexpr int32_t kSmall = kLatticeUnit * 2;
+  if (corner_bits <= short_.most_bits() && rows.max[1] - rows.min[1] <= kFewRows) {
+    const Interval all{rows.min[2], rows.max[2] - 1};
+    const auto decide = [&](int32_t i, int32_t j) {
+      return Polytope<int64_t>(*this, triangle, base).CutRow(i, j, all);
+    };
+    if (short_.ForEachRun(triangle, base, rows, run, decide)) return;
+  }
   if (corner_bits <= kNarrowCornerBits && cell_.length_bits() + corner_bits <= kNarrowBits) {
-    Polytope<int64_t>(*this, triangle, base, longest < kSmall).ForEachRun(rows, base, run);
+    Polytope<int64_t>(*this, triangle, base).ForEachRun(rows, base, run);
   } else {
-    Polytope<Wide>(*this, triangle, base, longest < kSmall).ForEachRun(rows, base, run);
+    Polytope<Wide>(*this, triangle, base).ForEachRun(rows, base, run);
   }
 }
 

@@ -27,6 +27,7 @@
 #include "core/brick/brick.h"
 #include "core/digitize/crossing.h"
 #include "core/lattice/integer_cell.h"
+#include "core/supercover/short_cover.h"
 
 namespace latvox {
 
@@ -53,6 +54,7 @@ class Supercover {
   class Polytope;
 
   IntegerCell cell_;
+  ShortCover short_;
   std::vector<Facet> facets_;  // one of each pair
   Vec3i half_extent_lat_{};    // rounded down
 };

@@ -232,7 +232,7 @@ double EstimateLineCrossings(const TriangleMesh& mesh, const Grid& grid, StopSig
 
 double EstimateVisits(const TriangleMesh& mesh, const MeshExtent& extent, const Grid& grid, const VoxelRequest& request,
                       StopSignal stop) {
-  constexpr double kVisitsPerTriangle = 40, kVisitsAlongNeedle = 12;  // at 15 ns, the cost of a voxel otherwise
+  constexpr double kVisitsPerTriangle = 20, kVisitsAlongNeedle = 12;  // at 15 ns, the cost of a voxel otherwise
   const double size = grid.lattice.voxel_size();
   if (request.band() != nullptr) {
     const double width = WidthOf(*request.band(), grid.lattice);
