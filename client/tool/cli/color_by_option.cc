@@ -6,34 +6,44 @@
 namespace latvox::client {
 namespace {
 
-Names<ColorBy> NamesOf(bool distances) {
+struct Choice {
+  ColorBy by;
+  const char* help;
+};
+constexpr Choice kChoices[] = {{ColorBy::kColor, "the mesh's colors"},
+                               {ColorBy::kMaterial, "a color for each material"},
+                               {ColorBy::kPart, "a color for each part"},
+                               {ColorBy::kDistance, "blue to red, or violet to yellow"},
+                               {ColorBy::kTriangle, "a color for each triangle, twelve in all"},
+                               {ColorBy::kPoint, "red, green and blue at the triangle's corners"},
+                               {ColorBy::kNormal, "x, y and z as red, green and blue"},
+                               {ColorBy::kNone, "one color"}};
+
+Names<ColorBy> AllNames() {
   Names<ColorBy> names;
-  for (const ColorBy by : {ColorBy::kColor, ColorBy::kMaterial, ColorBy::kPart}) names.emplace_back(NameOf(by), by);
-  if (distances) names.emplace_back(NameOf(ColorBy::kDistance), ColorBy::kDistance);
-  names.emplace_back(NameOf(ColorBy::kNone), ColorBy::kNone);
+  for (const Choice& choice : kChoices) names.emplace_back(NameOf(choice.by), choice.by);
   return names;
 }
 
-std::vector<std::string> HelpOf(bool distances) {
-  std::vector<std::string> help = {"the mesh's colors", "a color for each material", "a color for each part"};
-  if (distances) help.emplace_back("blue to red");
-  help.emplace_back("one color");
+std::vector<std::string> AllHelp() {
+  std::vector<std::string> help;
+  for (const Choice& choice : kChoices) help.emplace_back(choice.help);
   return help;
 }
 
 }  // namespace
 
-OptionRow ColorByRow(bool distances, std::string& word) {
+OptionRow ColorByRow(std::string& word) {
   return {.names = "--color-by",
           .target = &word,
           .help = "Source of the voxels' colors, which the file must have",
-          .words = WordsOf(NamesOf(distances)),
-          .word_help = HelpOf(distances),
-          .standard = "the first that the file has"};
+          .words = WordsOf(AllNames()),
+          .word_help = AllHelp(),
+          .standard = "the first that the file has of color, material and part"};
 }
 
 ColorBy ColorByOf(const std::string& word, bool distances, const GridContent& content) {
-  if (!word.empty()) return ValueNamed(NamesOf(distances), word);
+  if (!word.empty()) return ValueNamed(AllNames(), word);
   VoxelTraits traits = TraitsOf(content);
   if (!distances) traits.distances.reset();
   return DefaultColorBy(traits);

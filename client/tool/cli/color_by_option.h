@@ -14,11 +14,11 @@
 namespace latvox::client {
 
 // Returns the row of --color-by.
-//   distances   whether a band can be colored by its distances, which is then the default
-OptionRow ColorByRow(bool distances, std::string& word);
+OptionRow ColorByRow(std::string& word);
 
 // Returns the choice that the word names. If it is empty, returns the first that the file has, in the order of
 // DefaultColorBy.
+//   distances   whether the default may be distances
 ColorBy ColorByOf(const std::string& word, bool distances, const GridContent& content);
 
 // Returns the colors of all voxels. Errors: INVALID_ARGUMENT, with the path: the file has no values of that name.

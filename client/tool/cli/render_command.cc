@@ -47,7 +47,7 @@ void AddRenderOptions(CommandParser& command, RenderWords& words) {
                 .value = "RRGGBB",
                 .checks = {{CheckColor}},
                 .standard = "769ed2"},
-               ColorByRow(/*distances=*/false, words.color_by)});
+               ColorByRow(words.color_by)});
   AddPictureStyleOptions(command, "End the picture near the voxels; --size is its longer side", words.style);
 }
 
@@ -74,13 +74,13 @@ absl::StatusOr<std::string> RunRender(const RenderWords& words, const PictureOpt
   if (!content.ok()) return content.status();
   const bool plain = content->is_band || !words.color.empty();
   const ColorBy by = plain && words.color_by.empty() ? ColorBy::kNone : ColorByOf(words.color_by, false, *content);
-  const auto colors = FileColors(words.input, *content, by);
+  auto colors = FileColors(words.input, *content, by);
   if (!colors.ok()) return colors.status();
   PictureOptions options = given;
   options.style = StyleOf(words.style, *content, by);
   const GridTransform& transform = content->file.info.transform;
   std::vector<Brick> skin;
-  if (content->is_band) skin = SkinOf(content->Batch(), SkinDepth(transform));
+  if (content->is_band) skin = SkinOf(content->Batch(), SkinDepth(transform), *colors);
   const std::vector<Brick>& shown = content->is_band ? skin : content->file.bricks;
   VoxelScene scene(transform, ShiftFor(transform, DiagonalOf(shown, transform), options));
   AddBricks(shown, *colors, scene);

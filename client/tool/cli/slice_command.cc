@@ -159,7 +159,7 @@ void AddSliceOptions(CommandParser& command, SliceWords& words) {
                 .checks = {Whole(std::numeric_limits<int>::min(), std::numeric_limits<int>::max())},
                 .standard = "the middle of the file's voxels"},
                SizeRow("Pixels along the picture's longer side", words.size),
-               ColorByRow(/*distances=*/true, words.color_by)});
+               ColorByRow(words.color_by)});
   AddPictureStyleOptions(command, "Show only the part of the world that the layer's voxels take", words.style);
 }
 

@@ -28,6 +28,21 @@ Legend LegendOfDistances(const DistanceRange& range) {
   return legend;
 }
 
+Legend LegendOfNormals() {
+  return {.entries = {{NormalColor({1, 0, 0}), "x"},
+                      {NormalColor({0, 1, 0}), "y"},
+                      {NormalColor({0, 0, 1}), "z"},
+                      {NormalColor({-1, 0, 0}), "-x"},
+                      {NormalColor({0, -1, 0}), "-y"},
+                      {NormalColor({0, 0, -1}), "-z"}}};
+}
+
+Legend LegendOfPoints() {
+  return {.entries = {{WeightsColor({1, 0, 0}), "corner 1"},
+                      {WeightsColor({0, 1, 0}), "corner 2"},
+                      {WeightsColor({0, 0, 1}), "corner 3"}}};
+}
+
 // `name` is that in the mesh's file, or "".
 std::string NameOfNumber(ColorBy by, uint32_t number, const std::string& name) {
   if (by == ColorBy::kColor) return absl::StrFormat("#%06x", number);
@@ -38,6 +53,8 @@ std::string NameOfNumber(ColorBy by, uint32_t number, const std::string& name) {
 
 Legend LegendOf(const GridContent& content, ColorBy by, size_t most) {
   if (by == ColorBy::kDistance && content.distances) return LegendOfDistances(*content.distances);
+  if (by == ColorBy::kNormal) return LegendOfNormals();
+  if (by == ColorBy::kPoint) return LegendOfPoints();
   Legend legend;
   const CarriedNames names = ReadCarriedNames(content.file.info);
   for (const FieldValues& values : content.fields) {

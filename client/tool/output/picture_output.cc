@@ -54,7 +54,8 @@ class PictureOutput final : public Output {
 
   absl::Status Add(const BrickBatch& batch) override {
     if (shows_skin_) {
-      AddBricks(SkinOf(batch, skin_depth_), {}, *scene_);
+      std::vector<uint32_t> no_colors;
+      AddBricks(SkinOf(batch, skin_depth_, no_colors), {}, *scene_);
       return absl::OkStatus();
     }
     const auto colors = ColorsOf(batch, traits_, DefaultColorBy(traits_));

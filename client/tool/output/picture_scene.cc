@@ -19,19 +19,23 @@ double SkinDepth(const GridTransform& grid) {
   return longest / 2;
 }
 
-std::vector<Brick> SkinOf(const BrickBatch& batch, double depth) {
+std::vector<Brick> SkinOf(const BrickBatch& batch, double depth, std::vector<uint32_t>& colors) {
   std::vector<Brick> skin;
-  const float* distance = FindField(batch.fields, Field::kDistance)->As<float>().data();
+  const std::span<const float> distances = FindField(batch.fields, Field::kDistance)->As<float>();
+  size_t voxel = 0, kept = 0;
   for (const Brick& brick : batch.bricks) {
     Brick near{brick.brick_ijk, {}};
     bool any = false;
     ForEachVoxel(brick, [&](const Vec3i& ijk) {
-      if (*distance++ > depth) return;
+      const size_t n = voxel++;
+      if (distances[n] > depth) return;
+      if (!colors.empty()) colors[kept++] = colors[n];
       near.mask[WordInBrick(ijk)] |= BitInWord(ijk);
       any = true;
     });
     if (any) skin.push_back(near);
   }
+  colors.resize(kept);
   return skin;
 }
 

@@ -18,7 +18,8 @@ double SkinDepth(const GridTransform& grid);
 
 // Returns the voxels of a batch with distances that are at most `depth` outside: the surface, and the inside if
 // distances are signed. Omits bricks without such voxels.
-std::vector<Brick> SkinOf(const BrickBatch& batch, double depth);
+//   colors   one for each voxel of the batch, or none; keeps those of the voxels returned
+std::vector<Brick> SkinOf(const BrickBatch& batch, double depth, std::vector<uint32_t>& colors);
 
 // Returns the diagonal of the box of lattice points, in world units; 0 without bricks.
 double DiagonalOf(std::span<const Brick> bricks, const GridTransform& grid);

@@ -35,6 +35,35 @@ uint32_t Between(std::span<const uint32_t> map, double at) {
   return color;
 }
 
+// Components are from 0 to 1.
+uint32_t ColorOf(const std::array<float, 3>& levels) {
+  uint32_t color = 0;
+  for (const float level : levels) {
+    color = color << 8 | static_cast<uint32_t>(std::lround(std::clamp(level, 0.0F, 1.0F) * 255));
+  }
+  return color;
+}
+
+// Returns the color of voxel n.
+uint32_t ColorAt(const FieldValues& values, size_t n, ColorBy by, const VoxelTraits& traits) {
+  switch (by) {
+    case ColorBy::kDistance:
+      return DistanceColor(values.As<float>()[n], *traits.distances);
+    case ColorBy::kPoint: {
+      const float u = values.As<float>()[2 * n], v = values.As<float>()[2 * n + 1];
+      return WeightsColor({1 - u - v, u, v});
+    }
+    case ColorBy::kNormal: {
+      const float* const normal = &values.As<float>()[3 * n];
+      return NormalColor({normal[0], normal[1], normal[2]});
+    }
+    case ColorBy::kColor:
+      return NumberAt(values, n);
+    default:
+      return PaletteColor(NumberAt(values, n));
+  }
+}
+
 std::optional<Field> FieldOf(ColorBy by) {
   for (const FieldFacts& row : kFields) {
     if (row.name == absl::string_view(NameOf(by))) return row.field;
@@ -45,7 +74,7 @@ std::optional<Field> FieldOf(ColorBy by) {
 }  // namespace
 
 const char* NameOf(ColorBy by) {
-  constexpr const char* kNames[] = {"none", "part", "material", "color", "distance"};
+  constexpr const char* kNames[] = {"none", "part", "material", "color", "distance", "triangle", "point", "normal"};
   return kNames[static_cast<size_t>(by)];
 }
 
@@ -69,6 +98,12 @@ uint32_t DistanceColor(float distance, const DistanceRange& range) {
   return range.is_signed ? Between(kRdBu, (1 + share) / 2) : Between(kViridis, share);
 }
 
+uint32_t NormalColor(const std::array<float, 3>& normal) {
+  return ColorOf({(normal[0] + 1) / 2, (normal[1] + 1) / 2, (normal[2] + 1) / 2});
+}
+
+uint32_t WeightsColor(const std::array<float, 3>& weights) { return ColorOf(weights); }
+
 absl::StatusOr<std::vector<uint32_t>> ColorsOf(const BrickBatch& batch, const VoxelTraits& traits, ColorBy by) {
   std::vector<uint32_t> colors;
   if (by == ColorBy::kNone) return colors;
@@ -78,14 +113,7 @@ absl::StatusOr<std::vector<uint32_t>> ColorsOf(const BrickBatch& batch, const Vo
   }
   const size_t voxels = values->bytes.size() / FactsOf(values->field).bytes();
   colors.reserve(voxels);
-  for (size_t n = 0; n < voxels; ++n) {
-    if (by == ColorBy::kDistance) {
-      colors.push_back(DistanceColor(values->As<float>()[n], *traits.distances));
-    } else {
-      const uint32_t number = NumberAt(*values, n);
-      colors.push_back(by == ColorBy::kColor ? number : PaletteColor(number));
-    }
-  }
+  for (size_t n = 0; n < voxels; ++n) colors.push_back(ColorAt(*values, n, by, traits));
   return colors;
 }
 

@@ -2,6 +2,7 @@
 #ifndef LATVOX_CLIENT_TOOL_OUTPUT_VOXEL_COLORS_H_
 #define LATVOX_CLIENT_TOOL_OUTPUT_VOXEL_COLORS_H_
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -14,9 +15,9 @@
 namespace latvox::client {
 
 // A color is a number: red << 16 | green << 8 | blue, sRGB.
-enum class ColorBy { kNone, kPart, kMaterial, kColor, kDistance };
+enum class ColorBy { kNone, kPart, kMaterial, kColor, kDistance, kTriangle, kPoint, kNormal };
 
-// Returns "none", "part", "material", "color" or "distance".
+// Returns "none", or the name of the field.
 const char* NameOf(ColorBy by);
 
 // The fields that voxels carry. GridContent has those of a file.
@@ -28,16 +29,23 @@ struct VoxelTraits {
 // Returns those of a file.
 VoxelTraits TraitsOf(const GridContent& content);
 
-// Returns the default: colors, otherwise materials, otherwise parts, otherwise distances.
+// Returns the default: colors, otherwise materials, otherwise parts, otherwise distances, otherwise none.
 ColorBy DefaultColorBy(const VoxelTraits& traits);
 
-// Returns the color of a part or material: one of twelve that color-blind people can tell apart, then the first again.
+// Returns the color of a part, material or triangle: one of twelve that color-blind people can tell apart, then the
+// first again.
 uint32_t PaletteColor(uint32_t number);
 
 // Returns the color of a distance. A signed one is blue inside, white at the surface, red outside: ColorBrewer's RdBu.
 // An unsigned one goes from dark violet at the surface to yellow: viridis. Both are safe for color-blind people and end
 // at the ends of the range.
 uint32_t DistanceColor(float distance, const DistanceRange& range);
+
+// Returns the color of a normal: each component from -1 to 1 becomes red, green or blue from 0 to 255.
+uint32_t NormalColor(const std::array<float, 3>& normal);
+
+// Returns the color of the weights of a triangle's corners: red, green and blue from 0 to 1.
+uint32_t WeightsColor(const std::array<float, 3>& weights);
 
 // Returns a color for each voxel of the batch, in order; none for ColorBy::kNone. Errors: INVALID_ARGUMENT: the voxels
 // have no values of that name.

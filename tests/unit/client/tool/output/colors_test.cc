@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 
 #include "client/grid/openvdb_trees.h"
+#include "client/tool/output/picture_scene.h"
 #include "client/tool/output/voxel_colors.h"
 #include "latvox/grid/distance_grid.h"
 #include "latvox/grid/field_grids.h"
@@ -46,6 +47,29 @@ TEST_F(Content, NumbersStandByTheirVoxels) {
   EXPECT_THAT(*ColorsOf(content->Batch(), traits, ColorBy::kNone), IsEmpty());
   EXPECT_THAT(std::string(ColorsOf(content->Batch(), traits, ColorBy::kMaterial).status().message()),
               HasSubstr("no material"));
+}
+
+TEST_F(Content, FieldsOfTheNearestTriangleGiveColors) {
+  const std::vector<FieldValues> fields{
+      ValuesOf<uint32_t>(Field::kTriangle, {0, 12, 5, 7}),
+      ValuesOf<float>(Field::kPoint, {0, 0, 1, 0, 0, 1, 0.5F, 0.5F}),
+      ValuesOf<float>(Field::kNormal, {1, 0, 0, -1, 0, 0, 0, 1, 0, 0, 0, -1})};
+  const BrickBatch batch{kBricks, 1, fields};
+  const VoxelTraits traits{{Field::kTriangle, Field::kPoint, Field::kNormal}};
+  EXPECT_EQ(DefaultColorBy(traits), ColorBy::kNone);
+  EXPECT_THAT(*ColorsOf(batch, traits, ColorBy::kTriangle),
+              ElementsAre(PaletteColor(0), PaletteColor(0), PaletteColor(5), PaletteColor(7)));
+  EXPECT_THAT(*ColorsOf(batch, traits, ColorBy::kPoint), ElementsAre(0xFF0000, 0x00FF00, 0x0000FF, 0x008080));
+  EXPECT_THAT(*ColorsOf(batch, traits, ColorBy::kNormal), ElementsAre(0xFF8080, 0x008080, 0x80FF80, 0x808000));
+}
+
+TEST_F(Content, ASkinKeepsTheColorsOfItsVoxels) {
+  const std::vector<FieldValues> fields{ValuesOf<float>(Field::kDistance, {0.25F, -0.125F, 0.75F, 0.5F})};
+  std::vector<uint32_t> colors{1, 2, 3, 4};
+  const std::vector<Brick> skin = SkinOf({kBricks, 1, fields}, 0.5, colors);
+  ASSERT_EQ(skin.size(), 2U);
+  EXPECT_EQ(CountVoxels(skin[0]), 2U);
+  EXPECT_THAT(colors, ElementsAre(1, 2, 4));
 }
 
 TEST_F(Content, DistancesAreThoseOfTheBand) {

@@ -129,6 +129,8 @@ TEST(Legend, CountsVoxels) {
   EXPECT_THAT(texts(ColorBy::kColor, 9), ElementsAre("#00ff00: 3 voxels", "#ff0000: 1 voxel"));
   EXPECT_THAT(texts(ColorBy::kColor, 1), ElementsAre("#00ff00: 3 voxels", "and 1 more"));
   EXPECT_THAT(texts(ColorBy::kNone, 9), ElementsAre());
+  EXPECT_THAT(texts(ColorBy::kNormal, 9), ElementsAre("x", "y", "z", "-x", "-y", "-z"));
+  EXPECT_THAT(texts(ColorBy::kPoint, 9), ElementsAre("corner 1", "corner 2", "corner 3"));
 }
 
 TEST(Legend, OfABandIsARamp) {
