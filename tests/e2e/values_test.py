@@ -103,7 +103,8 @@ class Pictures(ValuesCase):
         for status, says, words in (
             (3, "a.vdb: the voxels have no color, which --color-by requires", ["render", "a.vdb", "--color-by", "color"]),
             (3, "the voxels have no distance", ["slice", "a.vdb", "--axis=x", "--index=0", "--color-by", "distance"]),
-            (2, "--color-by", ["render", "a.vdb", "--color-by", "distance"]),
+            (3, "the voxels have no distance", ["render", "a.vdb", "--color-by", "distance"]),
+            (2, "--color-by", ["render", "a.vdb", "--color-by", "link"]),
             (2, "cannot be combined with --color-by part", ["render", "a.vdb", "--color-by", "part", "--color", "ff0000"]),
         ):
             with self.subTest(says):

@@ -50,10 +50,9 @@ TEST_F(Content, NumbersStandByTheirVoxels) {
 }
 
 TEST_F(Content, FieldsOfTheNearestTriangleGiveColors) {
-  const std::vector<FieldValues> fields{
-      ValuesOf<uint32_t>(Field::kTriangle, {0, 12, 5, 7}),
-      ValuesOf<float>(Field::kPoint, {0, 0, 1, 0, 0, 1, 0.5F, 0.5F}),
-      ValuesOf<float>(Field::kNormal, {1, 0, 0, -1, 0, 0, 0, 1, 0, 0, 0, -1})};
+  const std::vector<FieldValues> fields{ValuesOf<uint32_t>(Field::kTriangle, {0, 12, 5, 7}),
+                                        ValuesOf<float>(Field::kPoint, {0, 0, 1, 0, 0, 1, 0.5F, 0.5F}),
+                                        ValuesOf<float>(Field::kNormal, {1, 0, 0, -1, 0, 0, 0, 1, 0, 0, 0, -1})};
   const BrickBatch batch{kBricks, 1, fields};
   const VoxelTraits traits{{Field::kTriangle, Field::kPoint, Field::kNormal}};
   EXPECT_EQ(DefaultColorBy(traits), ColorBy::kNone);
