@@ -50,6 +50,7 @@ void AddNote(const MeshNote& note, Json& json) {
   if (!note.input_format.empty()) json["input_format"] = note.input_format;
   if (note.quantization) json["quantization"] = *note.quantization;
   if (note.skip_bad) json["skip_bad"] = true;
+  if (note.alpha_cutoff) json["alpha_cutoff"] = *note.alpha_cutoff;
 }
 
 // Everything except the note.
@@ -91,6 +92,7 @@ void DescribeRequest(const VoxelizeRequest& request, const MeshNote& note, openv
   grid.insertMeta("latvox_request", openvdb::StringMetadata(RequestText(request, note)));
   if (request.region) grid.insertMeta("latvox_region", openvdb::StringMetadata(Corners(*request.region)));
   if (request.bounds) grid.insertMeta("latvox_bounds", openvdb::StringMetadata(Corners(*request.bounds)));
+  if (note.alpha_cutoff) grid.insertMeta("latvox_alpha_cutoff", openvdb::DoubleMetadata(*note.alpha_cutoff));
   if (const auto& facts = note.facts) {
     grid.insertMeta("latvox_mesh_triangles", openvdb::Int64Metadata(static_cast<int64_t>(facts->triangles)));
     grid.insertMeta("latvox_mesh_box", openvdb::StringMetadata(Corners(WorldBox{facts->min, facts->max})));

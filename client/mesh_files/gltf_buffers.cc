@@ -31,7 +31,9 @@ std::string Unescaped(absl::string_view uri) {
   return text;
 }
 
-absl::StatusOr<std::string> ReadUri(absl::string_view uri, const std::filesystem::path& folder) {
+}  // namespace
+
+absl::StatusOr<std::string> GltfBuffers::Uri(absl::string_view uri) const {
   constexpr absl::string_view kBase64 = ";base64,";
   if (absl::StartsWith(uri, "data:")) {
     std::string bytes;
@@ -42,14 +44,12 @@ absl::StatusOr<std::string> ReadUri(absl::string_view uri, const std::filesystem
   }
   std::error_code error;
   std::string name = Unescaped(uri);
-  if (!std::filesystem::exists(folder / name, error)) std::replace(name.begin(), name.end(), '\\', '/');  // of Windows
-  const std::filesystem::path path = folder / name;
+  if (!std::filesystem::exists(folder_ / name, error)) std::replace(name.begin(), name.end(), '\\', '/');  // of Windows
+  const std::filesystem::path path = folder_ / name;
   // Only regular files: others may never end.
   if (!std::filesystem::is_regular_file(path, error)) return Bad("file \"", uri, "\" cannot be read");
   return ReadBytes(path);
 }
-
-}  // namespace
 
 absl::StatusOr<absl::string_view> GltfBuffers::At(uint64_t n) {
   const SortedJson& buffer = document_.root.at("buffers").at(n);
@@ -59,7 +59,7 @@ absl::StatusOr<absl::string_view> GltfBuffers::At(uint64_t n) {
   if (buffer.contains("uri")) {
     const auto [found, is_new] = read_.try_emplace(n);
     if (is_new) {
-      auto read = ReadUri(buffer.at("uri").get_ref<const std::string&>(), folder_);
+      auto read = Uri(buffer.at("uri").get_ref<const std::string&>());
       if (!read.ok()) {
         return absl::Status(read.status().code(), absl::StrCat("buffers[", n, "]: ", read.status().message()));
       }

@@ -32,6 +32,9 @@ class GltfBuffers {
   // Returns all bytes of the buffer view that `object` names.
   absl::StatusOr<absl::string_view> View(const SortedJson& object);
 
+  // Returns the bytes behind a URI: those of a data: URI, or of a regular file in the folder.
+  absl::StatusOr<std::string> Uri(absl::string_view uri) const;
+
   // Returns `size` of these bytes, starting at object's byteOffset.
   absl::StatusOr<absl::string_view> Bytes(const SortedJson& object, uint64_t size);
 

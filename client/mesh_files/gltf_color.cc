@@ -1,8 +1,6 @@
 #include "client/mesh_files/gltf_color.h"
 
-#include <algorithm>
-#include <cmath>
-#include <cstdint>
+#include <array>
 
 #include "absl/strings/str_cat.h"
 
@@ -17,23 +15,14 @@ GltfBaseColor GltfBaseColorOf(const SortedJson& primitive, const SortedJson& roo
   const SortedJson look =
       specular ? extensions.at("KHR_materials_pbrSpecularGlossiness") : material.value("pbrMetallicRoughness", none);
   const auto factor = look.value(specular ? "diffuseFactor" : "baseColorFactor", std::array<double, 4>{1, 1, 1, 1});
-  GltfBaseColor color{{factor[0], factor[1], factor[2]}};
-  if (look.contains(specular ? "diffuseTexture" : "baseColorTexture")) {
+  GltfBaseColor color{{factor[0], factor[1], factor[2]}, factor[3]};
+  if (const auto texture = look.find(specular ? "diffuseTexture" : "baseColorTexture"); texture != look.end()) {
+    color.texture = *texture;
     const std::string name = material.value("name", "");
     color.textured =
         name.empty() ? absl::StrCat("materials[", number.dump(), "]") : absl::StrCat("material \"", name, "\"");
   }
   return color;
-}
-
-Color ToSrgb(const LinearColor& linear) {
-  Color bytes;
-  for (size_t n = 0; n < 3; ++n) {
-    const double c = std::min(std::max(0.0, linear[n]), 1.0);
-    const double encoded = c <= 0.0031308 ? 12.92 * c : 1.055 * std::pow(c, 1 / 2.4) - 0.055;
-    bytes[n] = static_cast<uint8_t>(std::nearbyint(encoded * 255));
-  }
-  return bytes;
 }
 
 }  // namespace latvox::client

@@ -24,12 +24,14 @@
 #include "client/mesh_files/gltf_node.h"
 #include "client/mesh_files/gltf_pose.h"
 #include "client/mesh_files/gltf_primitive.h"
+#include "client/mesh_files/gltf_texture.h"
 
 // No assimp, although it has an importer: it crashes on skins without matrices and takes quantized positions for
 // floats. It ignores required extensions and triangles with an index out of range, and its errors name no place.
 namespace latvox::client {
 namespace {
 
+constexpr LinearRgba kFullColor{1, 1, 1, 1};
 constexpr uint32_t kNoMaterial = UINT32_MAX;  // until all materials are numbered
 
 // Adds the place to the status.
@@ -66,6 +68,7 @@ class SceneReader {
               size_t most)
       : root_(document.root), most_(most), buffers_(document, folder), bad_(options) {
     mesh_.warnings = document.warnings;
+    if (options.base_colors) textures_.emplace(root_, buffers_, bad_);
   }
 
   // Errors: also exceptions of the JSON library.
@@ -85,11 +88,14 @@ class SceneReader {
                        const std::vector<Affine>& joints, const Affine& to_world);
   absl::Status AddSkinned(const SortedJson& described, const GltfPrimitive& primitive,
                           const std::vector<Affine>& joints, uint32_t part);
-  absl::Status AddPrimitive(const SortedJson& described, const Mesh& primitive, uint32_t part, const Affine& to_world);
+  absl::Status AddPrimitive(const SortedJson& described, const GltfPrimitive& primitive, uint32_t part,
+                            const Affine& to_world);
   absl::Status CheckSize(size_t triangles, size_t vertices) const;
   absl::StatusOr<std::vector<GltfPrimitive>> ReadPrimitives(const SortedJson& mesh, const GltfPose& pose);
   absl::StatusOr<uint32_t> NumberOfMaterial(const SortedJson& primitive);
   void AppendColors(const SortedJson& described, const Mesh& primitive);
+  uint32_t NumberOfBaseColor(const SortedJson& described, const GltfPrimitive& primitive);
+  void AppendBaseColor(uint32_t number, const GltfPrimitive& primitive, const std::array<uint32_t, 3>& corners);
   void FinishColors();
   void WarnOfAnimations();
 
@@ -102,6 +108,8 @@ class SceneReader {
   std::optional<GltfWorldPlaces> places_;                                       // of joints
   std::map<std::pair<uint64_t, GltfPose>, std::vector<GltfPrimitive>> meshes_;  // placed so far
   std::map<uint64_t, uint32_t> materials_;                                      // glTF index to our number
+  std::optional<GltfTextures> textures_;                                        // if base colors are read
+  std::map<const SortedJson*, uint32_t> base_colors_;                           // of primitives
   std::set<std::string> textured_;                                              // materials with a warning
   size_t bare_ = 0, colored_ = 0;                                               // triangles without and with colors
   Mesh mesh_;
@@ -197,7 +205,7 @@ absl::StatusOr<std::vector<GltfPrimitive>> SceneReader::ReadPrimitives(const Sor
   for (const SortedJson& described : mesh.at("primitives")) {
     absl::StatusOr<GltfPrimitive> primitive;
     try {
-      primitive = ReadGltfPrimitive(described, pose, root_, buffers_, bad_);
+      primitive = ReadGltfPrimitive(described, pose, root_, buffers_, bad_, textures_ ? &*textures_ : nullptr);
     } catch (const SortedJson::exception& error) {
       primitive = GltfError(error);
     }
@@ -207,6 +215,7 @@ absl::StatusOr<std::vector<GltfPrimitive>> SceneReader::ReadPrimitives(const Sor
     if (read.triangles.empty()) {  // its vertices are not needed
       read.positions = {};
       read.colors = {};
+      primitive->base_colors.reset();
     }
     triangles += read.triangles.size();
     vertices += read.positions.size();
@@ -240,7 +249,7 @@ absl::Status SceneReader::AddMesh(uint64_t number, const std::string& node_name,
   for (size_t n = 0; n < found->second.size(); ++n) {
     const SortedJson& described = mesh.at("primitives").at(n);
     const GltfPrimitive& primitive = found->second[n];
-    const absl::Status status = primitive.influences.empty() ? AddPrimitive(described, primitive.mesh, part, to_world)
+    const absl::Status status = primitive.influences.empty() ? AddPrimitive(described, primitive, part, to_world)
                                                              : AddSkinned(described, primitive, joints, part);
     if (!status.ok()) return named(In("primitives[", n, status));
   }
@@ -250,17 +259,18 @@ absl::Status SceneReader::AddMesh(uint64_t number, const std::string& node_name,
 // The node's own place has no effect.
 absl::Status SceneReader::AddSkinned(const SortedJson& described, const GltfPrimitive& primitive,
                                      const std::vector<Affine>& joints, uint32_t part) {
-  Mesh posed = primitive.mesh;
-  const auto mirrors = ApplySkin(primitive.influences, joints, posed.positions);
+  GltfPrimitive posed = primitive;
+  const auto mirrors = ApplySkin(primitive.influences, joints, posed.mesh.positions);
   if (!mirrors.ok()) return mirrors.status();
   if (*mirrors) {
-    for (auto& triangle : posed.triangles) std::swap(triangle[1], triangle[2]);
+    for (auto& triangle : posed.mesh.triangles) std::swap(triangle[1], triangle[2]);
   }
   return AddPrimitive(described, posed, part, kIdentity);
 }
 
-absl::Status SceneReader::AddPrimitive(const SortedJson& described, const Mesh& primitive, uint32_t part,
+absl::Status SceneReader::AddPrimitive(const SortedJson& described, const GltfPrimitive& read, uint32_t part,
                                        const Affine& to_world) {
+  const Mesh& primitive = read.mesh;
   mesh_.skipped += primitive.skipped;
   if (primitive.triangles.empty()) return absl::OkStatus();
   const size_t base = mesh_.positions.size(), vertices = primitive.positions.size();
@@ -280,11 +290,14 @@ absl::Status SceneReader::AddPrimitive(const SortedJson& described, const Mesh& 
   AppendColors(described, primitive);
   BeginStretch(part, *material, mesh_);
   const bool mirrors = Mirrors(to_world);
+  const uint32_t base_color = NumberOfBaseColor(described, read);
   for (auto triangle : primitive.triangles) {
-    for (uint32_t& vertex : triangle) vertex += static_cast<uint32_t>(base);
     if (mirrors) std::swap(triangle[1], triangle[2]);
-    const auto is_whole = [&](uint32_t vertex) { return IsFinite(mesh_.positions[vertex]); };
-    if (std::all_of(triangle.begin(), triangle.end(), is_whole)) mesh_.triangles.push_back(triangle);
+    const auto is_whole = [&](uint32_t vertex) { return IsFinite(mesh_.positions[base + vertex]); };
+    if (!std::all_of(triangle.begin(), triangle.end(), is_whole)) continue;
+    if (read.base_colors) AppendBaseColor(base_color, read, triangle);
+    for (uint32_t& vertex : triangle) vertex += static_cast<uint32_t>(base);
+    mesh_.triangles.push_back(triangle);
   }
   return absl::OkStatus();
 }
@@ -298,11 +311,36 @@ absl::StatusOr<uint32_t> SceneReader::NumberOfMaterial(const SortedJson& primiti
   return ours;
 }
 
+// Returns the number of the primitive's base color, which is added when the primitive is first placed.
+uint32_t SceneReader::NumberOfBaseColor(const SortedJson& described, const GltfPrimitive& primitive) {
+  std::vector<BaseColor>& all = mesh_.base_colors.all;
+  if (!primitive.base_colors) return TriangleBaseColor::kNone;
+  const auto [found, is_new] = base_colors_.try_emplace(&described, static_cast<uint32_t>(all.size()));
+  if (is_new) all.push_back(primitive.base_colors->color);
+  return found->second;
+}
+
+// Gives the next triangle its base color. Its corners are vertices of the primitive.
+void SceneReader::AppendBaseColor(uint32_t number, const GltfPrimitive& primitive,
+                                  const std::array<uint32_t, 3>& corners) {
+  const auto& [color, places, factors] = *primitive.base_colors;
+  auto& triangles = mesh_.base_colors.triangles;
+  auto& vertices = mesh_.base_colors.vertices;
+  triangles.resize(mesh_.triangles.size());
+  triangles.push_back({number, {}});
+  if (!factors.empty()) vertices.resize(triangles.size(), {kFullColor, kFullColor, kFullColor});
+  for (size_t n = 0; n < 3; ++n) {
+    if (!places.empty()) triangles.back().corners[n] = places[corners[n]];
+    if (!factors.empty()) vertices.back()[n] = factors[corners[n]];
+  }
+}
+
 void SceneReader::AppendColors(const SortedJson& described, const Mesh& primitive) {
   const size_t triangles = primitive.triangles.size();
   (primitive.colors.empty() ? bare_ : colored_) += triangles;
   mesh_.colors.insert(mesh_.colors.end(), primitive.colors.begin(), primitive.colors.end());
   mesh_.colors.resize(mesh_.positions.size(), Color{255, 255, 255});
+  if (textures_) return;
   const std::string textured = GltfBaseColorOf(described, root_).textured;
   if (textured.empty() || !textured_.insert(textured).second) return;
   mesh_.warnings.push_back({"TEXTURE_NOT_READ",

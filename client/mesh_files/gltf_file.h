@@ -20,7 +20,8 @@ namespace latvox::client {
 // - Each node with triangles is a part, and so is each instance.
 // - Materials are numbered in order of first use. Triangles without a material get the number after the last one.
 // - Colors are sRGB: those of vertices times the base color factor of the material. Beside such triangles, those with
-//   neither are white, with a warning. Textures are not read, with a warning.
+//   neither are white, with a warning. Textures are read if the options ask for base colors;
+//   otherwise there is a warning.
 //   bytes    of a .glb or a .gltf
 //   folder   of the files that it refers to; empty: the working directory
 //   options  with skip_bad, triangles whose indices are out of range or whose vertices are not finite are left out

@@ -81,6 +81,12 @@ absl::Status StoreColors(const GltfNumbers& numbers, const LinearColor& factor, 
   return absl::OkStatus();
 }
 
+bool IsRead(absl::string_view attribute) {
+  constexpr absl::string_view kBeginnings[] = {"COLOR_0", "JOINTS_", "WEIGHTS_", "TEXCOORD_"};
+  return std::any_of(std::begin(kBeginnings), std::end(kBeginnings),
+                     [&](absl::string_view beginning) { return absl::StartsWith(attribute, beginning); });
+}
+
 // Reads attributes of the vertices, from the Draco stream if that has them, otherwise from accessors.
 class VertexAttributes {
  public:
@@ -96,7 +102,7 @@ class VertexAttributes {
     DracoIds wanted{.positions = static_cast<uint32_t>(*positions)};
     std::vector<std::string> names;
     for (const auto& [name, id] : ids.items()) {
-      if (name != "COLOR_0" && !absl::StartsWith(name, "JOINTS_") && !absl::StartsWith(name, "WEIGHTS_")) continue;
+      if (!IsRead(name)) continue;
       const auto number = GltfNumber(ids, name.c_str());
       if (!number.ok()) return number.status();
       names.push_back(name);
@@ -197,10 +203,61 @@ absl::Status ReadColors(const SortedJson& primitive, const SortedJson& root, Ver
   return numbers.ok() ? StoreColors(*numbers, factor, mesh) : numbers.status();
 }
 
+absl::Status ReadPlaces(const GltfTexture& texture, size_t count, VertexAttributes& attributes,
+                        std::vector<ImagePoint>& places) {
+  const std::string name = absl::StrCat("TEXCOORD_", texture.set);
+  if (!attributes.Has(name)) return Bad("the material has a texture, and the vertices have no ", name);
+  const auto read = attributes.Read(name);
+  if (!read.ok()) return read.status();
+  const std::vector<double>& uv = read->values;
+  if (read->components != 2 || uv.size() != 2 * count) {
+    return Bad(name, " has ", uv.size() / read->components, " elements of ", read->components, " components, not ",
+               count, " of 2");
+  }
+  for (size_t v = 0; v < count; ++v) places.push_back(texture.Apply(uv[2 * v], uv[2 * v + 1]));
+  return absl::OkStatus();
+}
+
+// Reads COLOR_0 of as many vertices as the mesh has; see StoreColors.
+absl::Status ReadVertexFactors(VertexAttributes& attributes, std::vector<LinearRgba>& factors) {
+  const auto read = attributes.Read("COLOR_0");
+  if (!read.ok()) return read.status();
+  for (size_t at = 0; at < read->values.size(); at += read->components) {
+    LinearRgba& factor = factors.emplace_back(LinearRgba{1, 1, 1, 1});
+    for (size_t n = 0; n < std::min(read->components, factor.size()); ++n) {
+      factor[n] = static_cast<float>(std::clamp(read->values[at + n], 0.0, 1.0));
+    }
+  }
+  return absl::OkStatus();
+}
+
+absl::Status ReadBaseColors(const SortedJson& primitive, VertexAttributes& attributes, GltfTextures& textures,
+                            GltfPrimitive& out) {
+  const auto texture = textures.Of(primitive);
+  if (!texture.ok()) return texture.status();
+  GltfBaseColors colors{texture->color};
+  if (attributes.Has("COLOR_0")) {
+    if (auto status = ReadVertexFactors(attributes, colors.vertices); !status.ok()) return status;
+  }
+  const auto is_opaque = [](const LinearRgba& factor) { return factor[3] == 1; };
+  const bool has_image = colors.color.image != nullptr;
+  if (!has_image && is_opaque(colors.color.factor) &&
+      std::all_of(colors.vertices.begin(), colors.vertices.end(), is_opaque)) {
+    return absl::OkStatus();
+  }
+  if (has_image) {
+    const absl::Status status = ReadPlaces(*texture, out.mesh.positions.size(), attributes, colors.places);
+    if (!status.ok()) return status;
+  }
+  out.base_colors = std::move(colors);
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 absl::StatusOr<GltfPrimitive> ReadGltfPrimitive(const SortedJson& primitive, const GltfPose& pose,
-                                                const SortedJson& root, GltfBuffers& buffers, BadElements& bad) {
+                                                const SortedJson& root, GltfBuffers& buffers, BadElements& bad,
+                                                GltfTextures* textures) {
   const auto number = GltfNumber(primitive, "mode", kTriangles);
   if (!number.ok()) return number.status();
   if (*number > kFan) return Bad("mode ", *number, " exceeds ", +kFan);
@@ -219,6 +276,7 @@ absl::StatusOr<GltfPrimitive> ReadGltfPrimitive(const SortedJson& primitive, con
   if (!mesh.ok()) return mesh.status();
   GltfPrimitive out{*std::move(mesh), {}};
   absl::Status status = ReadColors(primitive, root, attributes, out.mesh);
+  if (status.ok() && textures != nullptr) status = ReadBaseColors(primitive, attributes, *textures, out);
   if (status.ok()) status = ApplyTargets(primitive, pose.weights, root, buffers, out.mesh.positions);
   if (status.ok() && pose.is_skinned) status = ReadInfluences(attributes, out.mesh.positions.size(), out.influences);
   if (!status.ok()) return status;

@@ -27,6 +27,8 @@ absl::Status Transform(const Affine& to_world, Mesh& mesh) {
   }
   if (Mirrors(to_world)) {
     for (auto& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
+    for (auto& triangle : mesh.base_colors.triangles) std::swap(triangle.corners[1], triangle.corners[2]);
+    for (auto& triangle : mesh.base_colors.vertices) std::swap(triangle[1], triangle[2]);
   }
   return absl::OkStatus();
 }
@@ -57,6 +59,22 @@ void AppendStretches(const Mesh& part, Mesh& mesh) {
   mesh.materials += part.materials;
 }
 
+// Continues the numbers of base colors. Call it before the triangles are appended.
+void AppendBaseColors(const BaseColors& part, size_t triangles, BaseColors& colors) {
+  if (part.triangles.empty()) return;
+  const auto first = static_cast<uint32_t>(colors.all.size());
+  colors.all.insert(colors.all.end(), part.all.begin(), part.all.end());
+  colors.triangles.resize(triangles);
+  for (TriangleBaseColor triangle : part.triangles) {
+    if (triangle.number != TriangleBaseColor::kNone) triangle.number += first;
+    colors.triangles.push_back(triangle);
+  }
+  if (part.vertices.empty()) return;
+  constexpr LinearRgba kFull{1, 1, 1, 1};
+  colors.vertices.resize(triangles, {kFull, kFull, kFull});
+  colors.vertices.insert(colors.vertices.end(), part.vertices.begin(), part.vertices.end());
+}
+
 }  // namespace
 
 absl::Status Append(Mesh part, const Affine& to_world, Mesh& mesh) {
@@ -76,6 +94,7 @@ absl::Status Append(Mesh part, const Affine& to_world, Mesh& mesh) {
   }
   if (mesh.no_color.empty()) mesh.no_color = part.no_color;
   AppendStretches(part, mesh);
+  AppendBaseColors(part.base_colors, mesh.triangles.size(), mesh.base_colors);
   mesh.positions.insert(mesh.positions.end(), part.positions.begin(), part.positions.end());
   for (auto triangle : part.triangles) {
     for (uint32_t& vertex : triangle) vertex += static_cast<uint32_t>(base);

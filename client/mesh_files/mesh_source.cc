@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <set>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -37,7 +38,7 @@ absl::StatusOr<MeshOrDraco> ReadOne(const std::string& path, const MeshSource& i
   const bool standard_input = path == kStandardInput;
   const auto by_name = FormatOfPath(path);
   if (!standard_input && !(keep_draco && by_name == MeshFormat::kDraco) && (!input.format || input.format == by_name)) {
-    return ReadMesh(path, {input.skip_bad});
+    return ReadMesh(path, {input.skip_bad, input.base_colors});
   }
   auto bytes = standard_input ? ReadStandardInput("a mesh") : ReadBytes(path);
   std::vector<Warning> warnings;
@@ -46,7 +47,7 @@ absl::StatusOr<MeshOrDraco> ReadOne(const std::string& path, const MeshSource& i
   const auto format = standard_input || input.format ? FormatOf(path, input, *bytes) : *by_name;
   if (!format.ok()) return format.status();
   if (keep_draco && *format == MeshFormat::kDraco) return *std::move(bytes);
-  return ParseMeshFile(path, *bytes, *format, {input.skip_bad});
+  return ParseMeshFile(path, *bytes, *format, {input.skip_bad, input.base_colors});
 }
 
 // If there are several files, the parts of a file without names of parts are named like the file.
@@ -54,6 +55,15 @@ void NameAfterFile(const std::string& path, Mesh& mesh) {
   if (path == kStandardInput || !mesh.part_names.empty()) return;
   const std::string name = std::filesystem::path(path).filename().string();
   for (uint32_t part = 0; part < NextPart(mesh); ++part) SetName(part, name, mesh.part_names);
+}
+
+// Puts the path before the names of the images.
+void NameImages(const std::string& path, Mesh& mesh) {
+  std::set<EncodedImage*> named;
+  for (const BaseColor& color : mesh.base_colors.all) {
+    if (color.image == nullptr || !named.insert(color.image.get()).second) continue;
+    color.image->name = absl::StrCat(NameOfInput(path), ": ", color.image->name);
+  }
 }
 
 }  // namespace
@@ -66,7 +76,8 @@ std::string NameOf(const MeshSource& input) {
 bool MayReferToFiles(const MeshSource& input) {
   return std::any_of(input.paths.begin(), input.paths.end(), [&](const std::string& path) {
     const auto format = input.format ? input.format : FormatOfPath(path);
-    const bool has_materials = format == MeshFormat::kObj && !input.attributes.empty();  // colors are in .mtl files
+    // Colors and textures are in .mtl files.
+    const bool has_materials = format == MeshFormat::kObj && (!input.attributes.empty() || input.base_colors);
     return format == MeshFormat::kGlb || format == MeshFormat::kGltf || has_materials;
   });
 }
@@ -81,6 +92,7 @@ absl::StatusOr<MeshOrDraco> ReadMeshSource(const MeshSource& input) {
     for (Warning& warning : std::get<Mesh>(*read).warnings) {
       warning.message = absl::StrCat(NameOfInput(path), ": ", warning.message);
     }
+    NameImages(path, std::get<Mesh>(*read));
     absl::Status status = CheckHas(input.attributes, std::get<Mesh>(*read));
     if (!status.ok() && (input.format ? input.format : FormatOfPath(path)) == MeshFormat::kDraco) {
       status = absl::InvalidArgumentError(absl::StrCat(status.message(), kOwnAttributes));

@@ -25,6 +25,7 @@ struct MeshSource {
   double scale = 1;
   bool skip_bad = false;               // go on without broken elements, with the warning BAD_ELEMENTS
   std::vector<Field> attributes = {};  // required of each mesh, except a single Draco stream
+  bool base_colors = false;            // read Mesh::base_colors
 };
 
 // Returns the paths in a form for people.

@@ -16,6 +16,7 @@
 #include "client/mesh_files/bad_elements.h"
 #include "client/mesh_files/mtl_file.h"
 #include "client/mesh_files/obj_statements.h"
+#include "client/mesh_files/obj_texture.h"
 #include "client/mesh_files/obj_vertices.h"
 #include "client/mesh_files/polygon.h"
 #include "client/mesh_files/triangle_colors.h"
@@ -27,10 +28,10 @@ namespace latvox::client {
 namespace {
 
 // Keywords without geometry of their own. Those of the last rows belong to a curve or a surface.
-constexpr absl::string_view kSettings[] = {"vt",        "vn",  "s",     "mg",       "usemap",   "maplib", "shadow_obj",
-                                           "trace_obj", "lod", "bevel", "c_interp", "d_interp", "ctech",  "stech",
-                                           "cstype",    "deg", "bmat",  "step",     "parm",     "trim",   "hole",
-                                           "scrv",      "sp",  "con",   "end"};
+constexpr absl::string_view kSettings[] = {"vn",        "s",      "mg",    "usemap",   "maplib",   "shadow_obj",
+                                           "trace_obj", "lod",    "bevel", "c_interp", "d_interp", "ctech",
+                                           "stech",     "cstype", "deg",   "bmat",     "step",     "parm",
+                                           "trim",      "hole",   "scrv",  "sp",       "con",      "end"};
 
 // Keywords of elements that are not polygons.
 constexpr absl::string_view kElements[] = {"l",   "p",   "curv", "curv2", "surf", "vp", "call",
@@ -109,7 +110,10 @@ bool HasObjects(absl::string_view text) {
 // Reads everything but vertices.
 class Faces {
  public:
-  Faces(absl::string_view text, BadElements& bad, Mesh& mesh) : text_(text), bad_(bad), mesh_(mesh) {}
+  Faces(absl::string_view text, const ParseOptions& options, BadElements& bad, Mesh& mesh)
+      : text_(text), bad_(bad), mesh_(mesh) {
+    if (options.base_colors) points_.emplace(text);
+  }
 
   absl::Status Read(absl::string_view statement, size_t line) {
     absl::string_view rest = statement;
@@ -117,6 +121,8 @@ class Faces {
     if (keyword.empty() || keyword[0] == '#') return absl::OkStatus();
     if (keyword == "v") {
       ++vertices_before_;
+    } else if (keyword == "vt") {
+      if (points_) points_->Pass();
     } else if (keyword == "f" || keyword == "fo") {  // "fo" in the first versions of the format
       const absl::Status status = ReadFace(rest, line);
       return status.ok() ? status : bad_.Add(status, NameOfLine(line));
@@ -130,25 +136,50 @@ class Faces {
     return absl::OkStatus();
   }
 
-  void Finish(const std::filesystem::path& folder) {
+  absl::Status Finish(const std::filesystem::path& folder) {
     mesh_.materials = static_cast<uint32_t>(materials_.size());
     skipped_.Report(mesh_);
-    MaterialColors colors;
-    for (const auto& [names, line] : libraries_) ReadMaterials(names, line, folder, colors, mesh_.warnings);
-    if (mesh_.colors.empty() && !colors.empty()) ColorByMaterial(colors);
+    MtlMaterials known;
+    for (const auto& [names, line] : libraries_) ReadMaterials(names, line, folder, known, mesh_.warnings);
+    const bool has_textures = points_ && !known.textures.empty();
+    if (mesh_.colors.empty() && (has_textures || !known.colors.empty())) ColorByMaterial(known, has_textures);
+    if (points_) return ApplyTextures(known, NamesOfMaterials(), bad_, mesh_);
+    for (const auto& [name, texture] : known.textures) WarnOfTexture(name);
+    return absl::OkStatus();
   }
 
  private:
   absl::Status ReadFace(absl::string_view words, size_t line) {
     polygon_.clear();
+    places_.clear();
     for (absl::string_view word = TakeWord(words); !word.empty() && word[0] != '#'; word = TakeWord(words)) {
       const auto corner = ParseCorner(word, line, vertices_before_, mesh_.positions);
       if (!corner.ok()) return corner.status();
       polygon_.push_back(*corner);
+      if (!points_) continue;
+      const auto place = points_->Of(word, line);
+      if (!place.ok()) return place.status();
+      places_.push_back(*place);
     }
     if (polygon_.size() < 3) return LineError(line, "a face has ", polygon_.size(), " corners, not 3 or more");
-    Triangulate(polygon_, mesh_.positions, mesh_.triangles);
+    if (points_) {
+      TriangulateWithPlaces(polygon_, places_, mesh_);
+    } else {
+      Triangulate(polygon_, mesh_.positions, mesh_.triangles);
+    }
     return absl::OkStatus();
+  }
+
+  std::vector<std::string> NamesOfMaterials() const {
+    std::vector<std::string> names(materials_.size());
+    for (const auto& [name, number] : materials_) names[number] = name;
+    return names;
+  }
+
+  void WarnOfTexture(const std::string& material) {
+    mesh_.warnings.push_back({"IGNORED_TEXTURE",
+                              absl::StrCat("material \"", material, "\" has a texture, which is not read"),
+                              absl::StrCat("material ", material)});
   }
 
   // `kind` is the first letter of the keyword.
@@ -169,10 +200,12 @@ class Faces {
     BeginStretch(stretch_.part, stretch_.material, mesh_);
   }
 
-  void ColorByMaterial(const MaterialColors& known) {
+  // Textures without Kd are on white.
+  void ColorByMaterial(const MtlMaterials& known, bool has_textures) {
     std::vector<std::optional<Color>> of_material(materials_.size());
     for (const auto& [name, number] : materials_) {
-      if (const auto found = known.find(name); found != known.end()) of_material[number] = found->second;
+      if (has_textures && known.textures.contains(name)) of_material[number] = Color{255, 255, 255};
+      if (const auto found = known.colors.find(name); found != known.colors.end()) of_material[number] = found->second;
     }
     std::vector<std::optional<Color>> colors;
     colors.reserve(mesh_.triangles.size());
@@ -189,6 +222,8 @@ class Faces {
   Mesh& mesh_;
   size_t vertices_before_ = 0;
   std::vector<uint32_t> polygon_;
+  std::vector<ImagePoint> places_;          // of its corners
+  std::optional<ObjTexturePoints> points_;  // if base colors are read
   absl::flat_hash_map<std::string, uint32_t> materials_;
   std::vector<std::pair<std::string, size_t>> libraries_;  // with their lines
   std::optional<bool> has_objects_;                        // known from the first group on
@@ -205,12 +240,12 @@ absl::StatusOr<Mesh> ParseObj(absl::string_view text, const ParseOptions& option
   Mesh mesh;
   BadElements bad(options);
   if (auto status = ReadObjVertices(text, bad, mesh); !status.ok()) return status;
-  Faces faces(text, bad, mesh);
+  Faces faces(text, options, bad, mesh);
   ObjStatements statements(text);
   for (absl::string_view statement; statements.Next(statement);) {
     if (auto status = faces.Read(statement, statements.line()); !status.ok()) return status;
   }
-  faces.Finish(folder);
+  if (auto status = faces.Finish(folder); !status.ok()) return status;
   bad.Report(mesh);
   RemoveNotFinite(mesh);
   return mesh;

@@ -17,6 +17,8 @@ namespace latvox::client {
 // - Materials are the names of `usemtl`, in order of first use.
 // - Colors are those of vertices (obj_vertices.h). Without them, colors are `Kd` of the materials, from the files of
 //   `mtllib` in the folder. Faces without a color are white then; the warning is PARTIAL_COLORS.
+//   If the options ask for base colors, they are those of materials with `map_Kd`. Otherwise the warning is
+//   IGNORED_TEXTURE.
 // - Other elements are counted as skipped, with the warning SKIPPED_ELEMENTS: lines, points, curves, surfaces, and
 //   statements with an unknown keyword. Texture coordinates, normals and display settings are ignored.
 // Errors, or broken elements: INVALID_ARGUMENT naming line, value and limit: an index out of range, a coordinate that

@@ -6,6 +6,7 @@ namespace latvox::client {
 
 struct ParseOptions {
   bool skip_bad = false;  // go on without broken elements, and warn: BAD_ELEMENTS, with their count and the first one
+  bool base_colors = false;  // read Mesh::base_colors, and the files of their images
 };
 
 }  // namespace latvox::client

@@ -142,7 +142,8 @@ absl::Status CheckRequiredExtensions(const ThreeMfPart& part) {
 
 class Reader {
  public:
-  Reader(ZipArchive archive, const ParseOptions& options) : archive_(std::move(archive)), bad_(options) {
+  Reader(ZipArchive archive, const ParseOptions& options)
+      : archive_(std::move(archive)), bad_(options), properties_(options.base_colors) {
     const size_t foreign = archive_.foreign_bytes();
     if (foreign == 0) return;
     mesh_.warnings.push_back(
@@ -165,6 +166,7 @@ class Reader {
     mesh_.materials = properties_.materials();
     mesh_.material_names = properties_.material_names();
     FinishColors();
+    if (auto status = ReadTextures(); !status.ok()) return status;
     bad_.Report(mesh_);
     return std::move(mesh_);
   }
@@ -271,6 +273,34 @@ class Reader {
     if (TextOf(AttributeOf(object, "meshresolution")) == "lowres") {
       warn("SLICES_NOT_READ", " has finer slices, which are not read");
     }
+  }
+
+  // Fills in the base colors, which the triangles number already.
+  absl::Status ReadTextures() {
+    for (const auto& [part, node] : properties_.textures()) {
+      BaseColor& color = mesh_.base_colors.all.emplace_back();
+      color.wraps = {WrapOf(node, "tilestyleu"), WrapOf(node, "tilestylev")};
+      color.is_smooth = TextOf(AttributeOf(node, "filter")) != "nearest";
+      const std::string path(absl::StripPrefix(TextOf(AttributeOf(node, "path")), "/"));
+      auto bytes = archive_.Read(path);
+      if (bytes.ok()) {
+        color.image = std::make_shared<EncodedImage>(EncodedImage{path, *std::move(bytes)});
+        continue;
+      }
+      const absl::Status error(bytes.status().code(), part->Error(node, bytes.status().message()).message());
+      if (auto status = bad_.Add(error, absl::StrCat("texture ", path)); !status.ok()) return status;
+    }
+    return absl::OkStatus();
+  }
+
+  Wrap WrapOf(const pugi::xml_node& texture, const char* name) {
+    const absl::string_view style = TextOf(AttributeOf(texture, name));
+    if (style == "none") {
+      const std::string element = absl::StrCat("texture ", TextOf(AttributeOf(texture, "path")));
+      mesh_.warnings.push_back(
+          {"IGNORED_TEXTURE", absl::StrCat(element, ": ", name, "=\"none\" is read as clamp"), element});
+    }
+    return style == "mirror" ? Wrap::kMirror : style == "clamp" || style == "none" ? Wrap::kClamp : Wrap::kRepeat;
   }
 
   void FinishColors() {

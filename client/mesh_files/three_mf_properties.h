@@ -18,13 +18,24 @@
 namespace latvox::client {
 
 // The groups of properties in all model files of an archive. Base materials are materials, with displaycolor as color.
-// A colorgroup has only colors. Other groups, such as textures, are not read. Materials are numbered by first use.
+// A colorgroup has only colors, and a texture2dgroup places in an image. Other groups are not read. Materials and
+// textures are numbered by first use.
 class ThreeMfProperties {
  public:
   struct Property {
     std::optional<uint32_t> material;
-    Color color{};  // sRGB as in the file, without alpha
+    Color color{};  // sRGB as in the file, without alpha; white for a texture
+    uint32_t texture = TriangleBaseColor::kNone;
+    ImagePoint place{};
   };
+
+  // A <texture2d>.
+  struct Texture {
+    const ThreeMfPart* part;
+    pugi::xml_node node;
+  };
+
+  explicit ThreeMfProperties(bool reads_textures) : reads_textures_(reads_textures) {}
 
   // Adds the groups of a model file, which must outlive this object.
   void Add(const ThreeMfPart& part);
@@ -36,15 +47,22 @@ class ThreeMfProperties {
 
   uint32_t materials() const { return materials_; }
   const std::vector<std::string>& material_names() const { return material_names_; }  // as in Mesh
+  const std::vector<Texture>& textures() const { return textures_; }                  // by number
 
  private:
   struct Group {
+    pugi::xml_node node;
     std::string kind;                                // name of its element
     std::vector<pugi::xml_node> members;             // in order
     std::vector<std::optional<uint32_t>> materials;  // numbers of the used members
+    uint32_t texture = TriangleBaseColor::kNone;     // its number, if used
   };
 
+  absl::StatusOr<Property> FindPlace(const ThreeMfPart& part, Group& group, size_t number);
+
   absl::flat_hash_map<std::pair<std::string, std::string>, Group> groups_;  // keyed by file and id
+  const bool reads_textures_;
+  std::vector<Texture> textures_;
   uint32_t materials_ = 0;
   std::vector<std::string> material_names_;
 };
@@ -70,6 +88,7 @@ class ThreeMfCarrier {
   struct Carried {
     std::optional<uint32_t> material;
     std::optional<std::array<Color, 3>> colors;  // of the corners
+    TriangleBaseColor texture = {};
   };
   absl::StatusOr<Carried> ReadCarried(const pugi::xml_node& triangle);
 

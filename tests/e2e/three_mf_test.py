@@ -137,7 +137,8 @@ class ThreeMf(InputCase):
         for n, attributes in enumerate(triangles):
             corners = 'v1="%d" v2="%d" v3="%d"' % MESH[1][n]
             mesh = mesh.replace(corners, f"{corners} {attributes}")
-        groups = self.BASES + self.COLORS + '<m:texture2dgroup id="7" texid="8"/>'
+        groups = self.BASES + self.COLORS + '<m:compositematerials id="7"/>'
+        groups += '<m:texture2dgroup id="8" texid="7"><m:tex2coord u="0" v="0"/></m:texture2dgroup>'
         extension = f'xmlns:m="{MATERIALS}" requiredextensions="m"'
         items = '<item objectid="1"/><item objectid="1" transform="1 0 0 0 1 0 0 0 1 9 0 0"/>'
         return write_3mf(self.dir / "a.3mf", model(f'{groups}<object id="1" {of_object}>{mesh}</object>', items, extension))
@@ -166,7 +167,9 @@ class ThreeMf(InputCase):
             ('line 7: <triangle>: p1="" is not within', 'pid="5"'),
             ('line 7: <triangle>: p2="-1" is not within the 2 of <colorgroup> 6', 'pid="6" p1="0" p2="-1"'),
             ('line 1: <base>: "red" is not a color', 'pid="5" p1="2"'),
-            ('line 7: <triangle>: pid="7" is a <texture2dgroup>, and only basematerials and colorgroup are read', 'pid="7" p1="0"'),
+            ('line 7: <triangle>: pid="7" is a <compositematerials>, and only basematerials, colorgroup and texture2dgroup are',
+             'pid="7" p1="0"'),
+            ('line 1: <m:texture2dgroup>: texid="7" is not a <texture2d>', 'pid="8" p1="0"'),
         ):
             with self.subTest(says):
                 path = self.colored(attributes)

@@ -1,6 +1,7 @@
 // Foreign meshes. Every input gives a clean status, or finite positions and triangles between them.
 #include <zip.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
@@ -26,6 +27,11 @@ void Check(const absl::StatusOr<latvox::client::Mesh>& mesh) {
     if (!std::isfinite(x) || !std::isfinite(y) || !std::isfinite(z)) std::abort();
   }
   if (mesh->colors.size() > mesh->positions.size()) std::abort();
+  const latvox::client::BaseColors& base = mesh->base_colors;
+  if (std::max(base.triangles.size(), base.vertices.size()) > mesh->triangles.size()) std::abort();
+  for (const latvox::client::TriangleBaseColor& triangle : base.triangles) {
+    if (triangle.number != triangle.kNone && triangle.number >= base.all.size()) std::abort();
+  }
   for (const auto& triangle : mesh->triangles) {
     for (const uint32_t vertex : triangle) {
       if (vertex >= mesh->positions.size()) std::abort();
@@ -83,7 +89,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   CheckStream(bytes);
   const std::string archive = Archive(bytes);
   for (const bool skip_bad : {false, true}) {
-    const latvox::client::ParseOptions options{skip_bad};
+    const latvox::client::ParseOptions options{skip_bad, /*base_colors=*/true};
     Check(latvox::client::ParseObj(bytes, options));
     Check(latvox::client::ParseOff(bytes, options));
     Check(latvox::client::ParsePly(bytes, options));

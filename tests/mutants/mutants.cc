@@ -27,6 +27,7 @@
 #include <functional>
 #include <iterator>
 #include <map>
+#include <memory>
 #include <new>
 #include <random>
 #include <string>
@@ -35,6 +36,7 @@
 
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
+#include "client/mesh_files/mesh_source.h"
 #include "client/tool/cli/commands.h"
 #include "client/tool/cli/compare_command.h"
 #include "client/tool/cli/exit_status.h"
@@ -48,6 +50,8 @@
 #include "client/tool/confined/reader_main.h"
 #include "client/tool/confined/reader_process.h"
 #include "client/tool/curve/curve_file.h"
+#include "client/tool/texture/base_color_sampler.h"
+#include "client/tool/texture/decode_image.h"
 #include "deploy/process/exhaustion.h"
 #include "deploy/process/orderly_end.h"
 
@@ -68,6 +72,11 @@ constexpr int kDone = static_cast<int>(ExitStatus::kDone), kBadInput = static_ca
 
 // Reads a file; writes to the output, if at all.
 using Reader = std::function<absl::Status(const std::string& path, const std::string& output)>;
+
+std::string BytesOf(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
 
 absl::Status Info(const std::string& path, const std::string&) { return RunInfo(path, /*json=*/true).status(); }
 
@@ -159,9 +168,31 @@ absl::Status Copy(const std::string& path, const std::string&) {
   return absl::IsDataLoss(content.status()) ? absl::InvalidArgumentError("damaged") : content.status();
 }
 
+// Too many pixels are a fault of the image here.
+absl::Status Refused(const absl::Status& status) {
+  return absl::IsResourceExhausted(status) ? absl::InvalidArgumentError(status.message()) : status;
+}
+
+absl::Status Image(const std::string& path, const std::string&) { return Refused(DecodeImage(BytesOf(path)).status()); }
+
+// Reads a mesh with its textures.
+absl::Status Textures(const std::string& path, const std::string&) {
+  auto read = ReadMeshSource({.paths = {path}, .base_colors = true});
+  if (!read.ok()) return read.status();
+  std::vector<Warning> warnings;
+  const auto mesh = std::make_shared<Mesh>(std::get<Mesh>(*std::move(read)));
+  auto sampler = BaseColorSampler::Create(mesh, /*skip_bad=*/false, warnings);
+  for (size_t t = 0; sampler.ok() && t < mesh->triangles.size(); ++t) sampler->At(t, {0.25, 0.25}, 1);
+  return Refused(sampler.status());
+}
+
 const std::vector<Reader>& ReadersOf(const std::string& extension) {
   static const std::map<std::string, std::vector<Reader>> kReaders = {
       {".vdb", {Info, Align, Merge, Compare, Render, Slice, View}},
+      {".glb", {Info, Textures}},
+      {".png", {Info, Image}},
+      {".jpg", {Image}},
+      {".webp", {Image}},
       {".svg", {Draw}},
       {".txt", {Draw}},
       {".jsonl", {Jobs}}};
@@ -176,11 +207,6 @@ const Reader& ReaderOf(const std::string& extension, int mutant) {
   const bool is_grid = extension == ".vdb";
   if (is_grid && mutant % 10 != 0) return kCopy;
   return readers[static_cast<size_t>(is_grid ? mutant / 10 : mutant) % readers.size()];
-}
-
-std::string BytesOf(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
 }
 
 void Write(const fs::path& path, const std::string& bytes) { std::ofstream(path, std::ios::binary) << bytes; }

@@ -19,6 +19,7 @@ sys.path.insert(0, str(ROOT / "tests" / "e2e"))
 
 from harness import BIN, Case, encode_drc, latvox, octahedron, write_obj, write_ply, write_stl
 from inputs import write_3mf, write_gltf, write_off, mesh_xml, model
+from textures import Gltf, png
 
 COUNT = int(os.environ.get("LATVOX_MUTANTS", "20"))
 SEED = int(os.environ.get("LATVOX_MUTANTS_SEED", "1"))
@@ -35,6 +36,11 @@ def write_wholes(folder):
     write_stl(folder / "mesh.stl", mesh)
     write_off(folder / "mesh.off", mesh)
     write_gltf(folder / "mesh.glb", mesh)
+    image = folder / "image.png"
+    image.write_bytes(png([(n * 4 % 256, n % 256, n // 4) for n in range(32 * 32)], 32))
+    for kind in ("jpg", "webp"):
+        subprocess.run(["convert", image, image.with_suffix(f".{kind}")], check=True)
+    Gltf(image.read_bytes()).write(folder / "textured.glb")
     encode_drc(folder / "mesh.drc", obj)
     write_3mf(folder / "mesh.3mf", model(f'<object id="1">{mesh_xml(mesh)}</object>', '<item objectid="1"/>'))
     for name in ("star.svg", "star.txt", "word.svg"):

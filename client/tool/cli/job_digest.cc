@@ -40,6 +40,25 @@ std::vector<uint32_t> NumbersOf(const Mesh& mesh, const std::vector<Field>& attr
   return numbers;
 }
 
+// Returns the digest of images and of their places; "" if there are no base colors.
+absl::StatusOr<std::string> BaseColorDigest(const BaseColors& colors) {
+  if (colors.all.empty()) return "";
+  std::string bytes;
+  const auto append = [&](const auto& value) { bytes.append(reinterpret_cast<const char*>(&value), sizeof(value)); };
+  for (const BaseColor& color : colors.all) {
+    append(color.factor);
+    append(color.wraps);
+    append(color.is_smooth);
+    if (color.image == nullptr) continue;
+    const auto image = Sha256(color.image->bytes);
+    if (!image.ok()) return image.status();
+    bytes += *image;
+  }
+  for (const TriangleBaseColor& triangle : colors.triangles) append(triangle);
+  for (const auto& corners : colors.vertices) append(corners);
+  return Sha256(bytes);
+}
+
 absl::StatusOr<std::string> MeshDigest(const MeshSource& input) {
   if (!MayReferToFiles(input)) {
     std::string digests;
@@ -58,10 +77,11 @@ absl::StatusOr<std::string> MeshDigest(const MeshSource& input) {
   const auto positions = Sha256Of(mesh.positions), triangles = Sha256Of(mesh.triangles);
   if (!positions.ok()) return positions.status();
   if (!triangles.ok()) return triangles.status();
-  if (input.attributes.empty()) return *positions + *triangles;
-  const auto numbers = Sha256Of(NumbersOf(mesh, input.attributes));
+  if (input.attributes.empty() && !input.base_colors) return *positions + *triangles;
+  const auto numbers = Sha256Of(NumbersOf(mesh, input.attributes)), colors = BaseColorDigest(mesh.base_colors);
   if (!numbers.ok()) return numbers.status();
-  return *positions + *triangles + *numbers;
+  if (!colors.ok()) return colors.status();
+  return *positions + *triangles + *numbers + *colors;
 }
 
 Json LatticeJson(const std::variant<NamedLattice, Basis>& lattice) {
@@ -110,6 +130,7 @@ absl::StatusOr<std::string> JobDigest(const Job& job) {
   if (job.options.output_options.picture_up != UpAxis::kY) json["picture_up"] = "z";
   if (job.options.output_options.dense_npy) json["npy"] = "dense";
   if (job.options.upload != UploadForm::kAuto) json["upload"] = static_cast<int>(job.options.upload);
+  if (job.options.alpha_cutoff) json["alpha_cutoff"] = *job.options.alpha_cutoff;
   if (job.options.strict) json["strict"] = true;
   if (job.options.weld_report) json["weld_report"] = true;
   // Names may not be UTF-8.

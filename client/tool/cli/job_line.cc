@@ -36,6 +36,7 @@ constexpr std::pair<const char*, Kind> kLineFields[] = {
     {"band", Kind::kNumberOrText},
     {"fields", Kind::kTexts},
     {"signed", Kind::kFlag},
+    {"alpha_cutoff", Kind::kNumber},
     {"upload", Kind::kText},
     {"quantization", Kind::kNumberOrText},
     {"verify", Kind::kFlag},

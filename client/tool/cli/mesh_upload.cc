@@ -63,9 +63,19 @@ bool NeedsOrder(const std::vector<Field>& fields) {
   return CarriesField(fields, Field::kTriangle) || CarriesField(fields, Field::kPoint);
 }
 
+// Returns whether the tool itself colors voxels, or leaves some out.
+bool NeedsBaseColors(const Mesh& mesh, const VoxelizeOptions& options) {
+  const auto has_image = [](const BaseColor& color) { return color.image != nullptr; };
+  const std::vector<BaseColor>& all = mesh.base_colors.all;
+  if (options.alpha_cutoff) return !all.empty();
+  return options.mesh.base_colors && std::any_of(all.begin(), all.end(), has_image);
+}
+
 UploadForm ChooseForm(const Mesh& mesh, const VoxelizeOptions& options, bool has_network, int bits) {
   if (options.upload != UploadForm::kAuto) return options.upload;
-  if (NeedsDoubles(mesh, bits) || NeedsOrder(options.request.fields)) return UploadForm::kRaw;
+  if (NeedsDoubles(mesh, bits) || NeedsOrder(options.request.fields) || NeedsBaseColors(mesh, options)) {
+    return UploadForm::kRaw;
+  }
   const bool is_rounded = options.quantization_bits.value_or(0) > 0;
   const bool fits = MostRawBytes(mesh, options.mesh.attributes) <= kMostArrayBytes;
   return is_rounded || has_network || !fits ? UploadForm::kDraco : UploadForm::kRaw;
@@ -95,13 +105,17 @@ absl::StatusOr<MeshUpload> PrepareUpload(const VoxelizeOptions& options, bool ha
     if (upload.ok()) upload->read_ms = read_ms;
     return upload;
   }
-  const auto mesh = std::make_shared<const Mesh>(std::get<Mesh>(*std::move(read)));
+  const auto mesh = std::make_shared<Mesh>(std::get<Mesh>(*std::move(read)));
   on_stage(absl::StrCat("encoding ", mesh->triangles.size(), " triangles"));
   const int fine = AutoQuantizationBits(VoxelsAlong(LongestSide(*mesh), options.request));
   const int bits = options.quantization_bits.value_or(fine);
   const UploadForm form = ChooseForm(*mesh, options, has_network, bits);
+  const bool colors = NeedsBaseColors(*mesh, options);
+  if (colors && form == UploadForm::kDraco) {
+    return absl::InvalidArgumentError("--upload: textures and opacity need raw; Draco changes the order of triangles");
+  }
   const absl::Time begin = absl::Now();
-  const auto encode = [=, attributes = options.mesh.attributes,
+  const auto encode = [=, attributes = options.mesh.attributes, skip_bad = options.mesh.skip_bad,
                        weld = options.weld_report]() -> absl::StatusOr<MeshUpload> {
     auto upload = Encode(*mesh, form, bits, attributes);
     if (!upload.ok()) return upload;
@@ -114,6 +128,10 @@ absl::StatusOr<MeshUpload> PrepareUpload(const VoxelizeOptions& options, bool ha
     }
     upload->names = NamesOf(*mesh, attributes);
     if (weld) upload->weld = Weld(*mesh);
+    if (!colors) return upload;
+    auto sampler = BaseColorSampler::Create(mesh, skip_bad, upload->warnings);
+    if (!sampler.ok()) return sampler.status();
+    upload->base_colors = std::make_shared<BaseColorSampler>(*std::move(sampler));
     return upload;
   };
   return DoAbandonably(encode, call);

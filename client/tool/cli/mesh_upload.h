@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "client/mesh_files/weld_report.h"
 #include "client/tool/cli/session.h"
 #include "client/tool/cli/voxelize_options.h"
+#include "client/tool/texture/base_color_sampler.h"
 #include "latvox/client.h"
 #include "latvox/grid/carried_names.h"
 #include "latvox/types.h"
@@ -25,6 +27,7 @@ struct MeshUpload {
   uint64_t skipped = 0;  // elements of the file that have no surface
   std::optional<WeldReport> weld = std::nullopt;
   CarriedNames names = {};
+  std::shared_ptr<BaseColorSampler> base_colors = nullptr;  // if the tool colors voxels, or leaves some out
   std::vector<Warning> warnings = {};
   double read_ms = 0, encode_ms = 0;
 };

@@ -167,6 +167,7 @@ Json SummaryJson(const VoxelizeReport& report) {
                         {"total", report.total_ms}};
   json["bytes"] = {{"sent", summary.bytes_sent}, {"received", summary.bytes_received}};
   json["resumed"] = summary.resumed;
+  if (report.dropped > 0) json["dropped"] = report.dropped;
   json["mesh"] = {{"triangles", mesh.triangles},
                   {"vertices", mesh.vertices},
                   {"degenerate_triangles", mesh.degenerate_triangles},
@@ -218,6 +219,10 @@ std::string ToText(const VoxelizeReport& report) {
   absl::StrAppend(&text, Count(report.summary.voxels, "voxel"), " in ", Count(report.summary.bricks, "brick"),
                   ", digest ", certificate.digest, "\n", FillText(certificate), FieldsText(certificate),
                   VerificationText(certificate));
+  if (report.dropped > 0) {
+    absl::StrAppend(&text, Count(report.dropped, "voxel"),
+                    " left out by the alpha cutoff: the others let paths through\n");
+  }
   const std::string did = report.outputs.empty() ? "done" : absl::StrCat("wrote ", absl::StrJoin(report.outputs, ", "));
   absl::StrAppendFormat(&text, "%s in %.2f s\n", did, report.total_ms / 1e3);
   return text;

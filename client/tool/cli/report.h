@@ -26,6 +26,7 @@ struct VoxelizeReport {
   std::optional<WeldReport> weld;              // if requested
   double read_ms = 0, encode_ms = 0;           // of the mesh
   double total_ms = 0;                         // the whole command
+  uint64_t dropped = 0;                        // voxels that --alpha-cutoff left out
   CarriedNames names;                          // of the attributes that the voxels carry
 };
 

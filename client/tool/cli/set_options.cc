@@ -83,6 +83,22 @@ void CheckOrder(const VoxelizeOptions& options) {
   }
 }
 
+std::string CheckOpacity(const std::string& text) {
+  double number = 0;
+  if (ParseNumber(text, number) && number >= 0 && number <= 1) return "";
+  return absl::StrCat("\"", text, "\" is not a number from 0 to 1");
+}
+
+// The tool needs the mesh's base colors, and images, only for these.
+void InterpretBaseColors(const VoxelizeWords& words, VoxelizeOptions& options) {
+  options.mesh.base_colors = CarriesField(options.request.fields, Field::kColor) || !words.alpha_cutoff.empty();
+  if (words.alpha_cutoff.empty()) return;
+  if (options.request.verify) {
+    Refuse("--alpha-cutoff: cannot be combined with --verify, because it leaves holes in a set without tunnels");
+  }
+  ParseNumber(words.alpha_cutoff, options.alpha_cutoff.emplace());
+}
+
 void CheckCarry(const std::vector<Field>& fields, const std::vector<std::string>& outputs) {
   const std::vector<std::string> extensions = ExtensionsFor(fields);
   const auto name = [](std::string* out, Field field) { *out += NameOf(field); };
@@ -130,7 +146,15 @@ std::vector<OptionRow> SetRows(VoxelizeWords& words) {
        .standard = "distance for a band, otherwise none"},
       {.names = "--signed",
        .target = &words.is_signed,
-       .help = "Make distances negative inside; the mesh must be closed"}};
+       .help = "Make distances negative inside; the mesh must be closed"},
+      {.names = "--alpha-cutoff",
+       .target = &words.alpha_cutoff,
+       .help =
+           "Leave out voxels whose base color is less opaque than A, 0 to 1, as holes of leaves and fences are; this "
+           "lets paths through",
+       .value = "A",
+       .checks = {{CheckOpacity}},
+       .standard = "all voxels stay"}};
 }
 
 VoxelSet InterpretSet(const VoxelizeWords& words) {
@@ -161,6 +185,7 @@ void InterpretFields(const VoxelizeWords& words, VoxelizeOptions& options) {
   } else if (std::holds_alternative<Band>(request.set)) {
     request.fields = {Field::kDistance};
   }
+  InterpretBaseColors(words, options);
   request.signed_distance = words.is_signed;
   if (words.is_signed && !CarriesField(request.fields, Field::kDistance)) Refuse("--signed: needs --fields distance");
   if (request.fields.empty()) return;

@@ -16,6 +16,7 @@
 #include "client/tool/confined/foreign_grid.h"
 #include "client/tool/output/output.h"
 #include "client/tool/output/standard_output.h"
+#include "client/tool/texture/color_stream.h"
 #include "latvox/error.h"
 #include "latvox/grid/voxel_grid.h"
 
@@ -66,6 +67,8 @@ absl::Status Call(const VoxelizeOptions& options, const MeshUpload& upload, cons
   const absl::StatusOr<const Client*> client = hooks.connect();
   if (!client.ok()) return client.status();
   hooks.on_stage("uploading");
+  std::optional<ColorStream> colors;
+  if (upload.base_colors) colors.emplace(*upload.base_colors, options.request, options.alpha_cutoff);
   VoxelizeHandlers handlers;
   handlers.on_accepted = [&](const Accepted& accepted) {
     hooks.on_stage("voxelizing");
@@ -74,22 +77,27 @@ absl::Status Call(const VoxelizeOptions& options, const MeshUpload& upload, cons
       if (auto status = Warn({*large}, options.strict, hooks.say); !status.ok()) return status;
       warnings.push_back(*std::move(large));
     }
+    if (colors) colors->Begin(accepted);
     return ForEach(outputs, [&](Output& output) { return output.Begin(accepted); });
   };
   uint64_t bricks = 0;
-  handlers.on_bricks = [&](const BrickBatch& batch) {
-    bricks += batch.bricks.size();
-    hooks.on_progress(batch.progress, bricks);
+  handlers.on_bricks = [&](const BrickBatch& received) {
+    bricks += received.bricks.size();
+    hooks.on_progress(received.progress, bricks);
+    const BrickBatch batch = colors ? colors->Convert(received) : received;
     return ForEach(outputs, [&](Output& output) { return output.Add(batch); });
   };
   handlers.on_resumed = [&](const Resumption& resumption) {
     return hooks.say(ResumptionLine(resumption)), absl::OkStatus();
   };
-  VoxelizeRequest request = options.request;
+  VoxelizeRequest request = colors ? colors->ToSend() : options.request;
   request.raw_mesh = upload.raw;
   auto summary = (*client)->Voxelize(request, upload.bytes, handlers, call);
   if (!summary.ok()) return WithMesh(summary.status(), options.mesh);
   report.summary = *std::move(summary);
+  if (!colors) return absl::OkStatus();
+  colors->Finish(report.summary);
+  report.dropped = colors->dropped();
   return absl::OkStatus();
 }
 
