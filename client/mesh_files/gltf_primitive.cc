@@ -81,7 +81,7 @@ absl::Status StoreColors(const GltfNumbers& numbers, const LinearColor& factor, 
   return absl::OkStatus();
 }
 
-bool IsRead(absl::string_view attribute) {
+bool IsAttributeRead(absl::string_view attribute) {
   constexpr absl::string_view kBeginnings[] = {"COLOR_0", "JOINTS_", "WEIGHTS_", "TEXCOORD_"};
   return std::any_of(std::begin(kBeginnings), std::end(kBeginnings),
                      [&](absl::string_view beginning) { return absl::StartsWith(attribute, beginning); });
@@ -102,7 +102,7 @@ class VertexAttributes {
     DracoIds wanted{.positions = static_cast<uint32_t>(*positions)};
     std::vector<std::string> names;
     for (const auto& [name, id] : ids.items()) {
-      if (!IsRead(name)) continue;
+      if (!IsAttributeRead(name)) continue;
       const auto number = GltfNumber(ids, name.c_str());
       if (!number.ok()) return number.status();
       names.push_back(name);

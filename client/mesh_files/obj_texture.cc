@@ -19,7 +19,7 @@
 namespace latvox::client {
 namespace {
 
-constexpr float kAbsent = std::numeric_limits<float>::quiet_NaN();
+constexpr float kNotGiven = std::numeric_limits<float>::quiet_NaN();
 
 using Image = std::shared_ptr<EncodedImage>;
 
@@ -96,15 +96,15 @@ ObjTexturePoints::ObjTexturePoints(absl::string_view text) {
     const bool is_point = ParseDouble(TakeWord(words), u);
     ParseDouble(TakeWord(words), v);  // a texture along a line has only u
     points_.push_back(is_point ? ImagePoint{static_cast<float>(u), static_cast<float>(v)}
-                               : ImagePoint{kAbsent, kAbsent});
+                               : ImagePoint{kNotGiven, kNotGiven});
   }
 }
 
 absl::StatusOr<ImagePoint> ObjTexturePoints::Of(absl::string_view corner, size_t line) const {
   const size_t slash = corner.find('/');
-  if (slash == absl::string_view::npos) return ImagePoint{kAbsent, kAbsent};
+  if (slash == absl::string_view::npos) return ImagePoint{kNotGiven, kNotGiven};
   const absl::string_view rest = corner.substr(slash + 1), number = rest.substr(0, rest.find('/'));
-  if (number.empty()) return ImagePoint{kAbsent, kAbsent};
+  if (number.empty()) return ImagePoint{kNotGiven, kNotGiven};
   int64_t index = 0;
   const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), index);
   const int64_t from_zero = index > 0 ? index - 1 : static_cast<int64_t>(passed_) + index;
