@@ -4,6 +4,7 @@
 #include <bit>
 #include <cassert>
 #include <cmath>
+#include <cstring>
 #include <utility>
 
 namespace latvox {
@@ -52,10 +53,45 @@ void FieldScan::Find(const FieldContext& context, std::span<const uint32_t> tria
     FindBrick(context, brick, square, tile);
   }
   tile.squares = {};
+  tile.labels = {};
+}
+
+// Appends the labels of a brick. Returns false, and appends nothing, if a voxel has none.
+bool FieldScan::AppendLabels(const Brick& brick, TileBricks& tile) const {
+  std::vector<std::byte>& out = tile.fields.front();
+  const size_t before = out.size();
+  out.resize(before + CountVoxels(brick.mask) * sizeof(uint32_t));
+  std::byte* next = out.data() + before;
+  const auto put = [&](uint32_t label) {
+    std::memcpy(next, &label, sizeof(label));
+    next += sizeof(label);
+  };
+  const Vec3i corner = (brick.brick_ijk - tile.tile_ijk * kBrickSide) * kBrickSide;  // in the tile
+  const auto first_k = static_cast<uint32_t>(corner[2]);
+  for (int32_t n = 0; n < kBrickSide * kBrickSide; ++n) {
+    const int32_t x = n >> kBrickBits, y = n & (kBrickSide - 1);
+    uint64_t bits = brick.mask[static_cast<size_t>(x)] >> (y << kBrickBits) & 0xFF;
+    if (bits == 0) continue;
+    const auto row = static_cast<size_t>((corner[0] + x) << kTileBits | (corner[1] + y));
+    const LabelRun* run = tile.labels.Find(row, first_k);
+    uint32_t end = tile.labels.EndOf(row, run);
+    for (; bits != 0; bits &= bits - 1) {
+      const uint32_t k = first_k + static_cast<uint32_t>(std::countr_zero(bits));
+      while (k >= end) end = tile.labels.EndOf(row, ++run);
+      if (run->label == kNoLabel) {
+        out.resize(before);
+        return false;
+      }
+      put(run->label);
+    }
+  }
+  return true;
 }
 
 // `square`: null, or those of the brick's voxels; moves on to those of the next brick.
 void FieldScan::FindBrick(const FieldContext& context, const Brick& brick, const double*& square, TileBricks& tile) {
+  const bool is_labeled = context.plan.label_place.has_value();
+  if (context.plan.is_label_alone && AppendLabels(brick, tile)) return;
   const Vec3i corner = brick.brick_ijk * kBrickSide - context.mesh.base_ijk;
   if (context.plan.is_searched) List(context, corner);
   for (int32_t x = 0; x < kBrickSide; ++x) {
@@ -63,16 +99,17 @@ void FieldScan::FindBrick(const FieldContext& context, const Brick& brick, const
       const int yz = std::countr_zero(bits);
       const Vec3i ijk = corner + Vec3i{x, yz >> kBrickBits, yz & (kBrickSide - 1)}, at = ijk - tile_min_;
       Nearest nearest{ijk * kLatticeUnit, false, 0, 0, nullptr, {}};
-      if (has_inside_) {
-        nearest.is_inside = (inside_.view()[static_cast<size_t>(at[0] << kTileBits | at[1])] >> at[2] & 1) != 0;
-      }
+      const auto row = static_cast<size_t>(at[0] << kTileBits | at[1]);
+      if (has_inside_) nearest.is_inside = (inside_.view()[row] >> at[2] & 1) != 0;
+      const uint32_t label = is_labeled ? tile.labels.Find(row, static_cast<uint32_t>(at[2]))->label : kNoLabel;
       if (square != nullptr) nearest.square = *square++;
-      if (context.plan.is_searched) {
+      if (context.plan.is_searched && !(context.plan.is_label_alone && label != kNoLabel)) {
         FindCandidates(context, nearest.point, square != nullptr ? nearest.square : context.plan.most_square);
         if (context.stop.Stopped()) return;
         nearest.square = least_;
         if (!Decide(context, nearest)) return;
       }
+      if (label != kNoLabel) nearest.numbers[*context.plan.label_place] = label;
       for (size_t n = 0; n < context.writers.size(); ++n) context.writers[n]->Append(nearest, tile.fields[n]);
     }
   }

@@ -64,6 +64,7 @@ class FieldScan {
   };
 
   void FindBrick(const FieldContext& context, const Brick& brick, const double*& square, TileBricks& tile);
+  bool AppendLabels(const Brick& brick, TileBricks& tile) const;
   void List(const FieldContext& context, const Vec3i& brick_min);
   void FindCandidates(const FieldContext& context, const Vec3i& point, double bound);
   void Offer(const FieldContext& context, uint32_t number, const Vec3i& point, double& limit);

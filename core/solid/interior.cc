@@ -6,12 +6,10 @@
 
 #include "core/solid/axis_crossing.h"
 #include "core/solid/line_crossings.h"
+#include "core/solid/tile_crossings.h"
 
 namespace latvox {
 namespace {
-
-// Corners of tiles are the points of a lattice of their own.
-constexpr int kCornerBits = kSubvoxelBits + kTileBits;
 
 // The points `first` .. 63 of a row.
 constexpr uint64_t From(int32_t first) { return first >= kTileSide ? 0 : ~uint64_t{0} << first; }
@@ -69,31 +67,13 @@ class ClosedInterior : public Interior {
     return after == corners_.begin() ? 0 : sums_[static_cast<size_t>(after - corners_.begin()) - 1];
   }
 
-  // Adds the triangle's crossings of the first line along i, of the first plane's lines along j, and of all lines along
-  // k. Until they are finished, starts hold the change at each point of the sums along j.
+  // Until they are finished, starts hold the change at each point of the sums along j.
   void Add(const Triangle& triangle, const Vec3i& low, std::array<int32_t, kTileSide>& along_i,
            InteriorRows& rows) const {
-    const auto lines = [&](size_t a, bool all_a, size_t b, bool all_b) {
-      const int64_t last = kTileSide - 1;
-      return AxisLines{{low[a], low[a] + (all_a ? last : 0)}, {low[b], low[b] + (all_b ? last : 0)}};
-    };
-    const auto is_within = [](int32_t step) { return step > 0 && step < kTileSide; };
-    ForEachAxisCrossing<kSubvoxelBits>(triangle, 0, lines(1, false, 2, false),
-                                       [&](int32_t, int32_t, int32_t above, int32_t turn) {
-                                         const int32_t i = above - low[0];
-                                         if (is_within(i)) along_i[static_cast<size_t>(i)] += turn;
-                                       });
-    ForEachAxisCrossing<kSubvoxelBits>(triangle, 1, lines(2, false, 0, true),
-                                       [&](int32_t, int32_t i, int32_t above, int32_t turn) {
-                                         const int32_t j = above - low[1];
-                                         if (is_within(j))
-                                           rows.starts_[static_cast<size_t>((i - low[0]) * kTileSide + j)] += turn;
-                                       });
-    ForEachAxisCrossing<kSubvoxelBits>(
-        triangle, 2, lines(0, true, 1, true), [&](int32_t i, int32_t j, int32_t above, int32_t turn) {
-          const int32_t k = above - low[2];
-          if (is_within(k)) AddToRow(static_cast<size_t>((i - low[0]) * kTileSide + j - low[1]), k, turn, rows);
-        });
+    ForEachTileCrossing(
+        triangle, low, [&](size_t i, int32_t turn) { along_i[i] += turn; },
+        [&](size_t i, int32_t j, int32_t turn) { rows.starts_[i * kTileSide + static_cast<size_t>(j)] += turn; },
+        [&](size_t row, int32_t k, int32_t turn) { AddToRow(row, k, turn, rows); });
   }
 
   // For kParity, rows mark the changes of parity; for other rules, possible changes of the sum.
