@@ -35,11 +35,11 @@ class InteriorRows {
   LabelRuns& labels() { return labels_; }
   size_t Bytes() const {
     return BytesOf(rows_) + BytesOf(starts_) + BytesOf(turns_) + BytesOf(labels_.starts) + BytesOf(labels_.runs) +
-           sweep_.Bytes();
+           BytesOf(of_points_) + sweep_.Bytes();
   }
 
  private:
-  friend class ClosedInterior;
+  friend class ClosedRows;
   friend class OpenInterior;
   friend class ClosedLabeledInterior;
   friend class OpenLabeledInterior;
@@ -50,6 +50,7 @@ class InteriorRows {
   std::vector<int32_t> turns_;   // unless kParity: the change of its row's sum at each point; otherwise all 0
   LabelRuns labels_;
   LabelSweep sweep_;
+  std::vector<uint32_t> of_points_;  // for many labels in a tile: the label of each point, row by row
 };
 
 class Interior {

@@ -36,6 +36,10 @@ void LabelSweep::NumberLabels() {
   inside_.assign(present_.size() / 64 + 1, 0);
 }
 
+void LabelSweep::ForgetLabels() {
+  for (const uint32_t rank : present_) places_[rank] = kNowhere;
+}
+
 // By rows, then along each row. Most rows have two crossings.
 void LabelSweep::SortRows() {
   row_ends_.assign(kRows + 1, 0);
@@ -114,7 +118,16 @@ void LabelSweep::Finish(std::span<const uint32_t> numbers, std::span<uint64_t> r
     }
     labels.starts.push_back(static_cast<uint32_t>(labels.runs.size()));
   }
-  for (const uint32_t rank : present_) places_[rank] = kNowhere;
+  ForgetLabels();
+}
+
+uint64_t LabelSweep::FinishLine(std::span<const uint32_t> numbers, std::vector<LabelRun>& runs) {
+  NumberLabels();
+  std::sort(along_k_.begin(), along_k_.end());
+  const uint64_t bits = FinishRow(along_k_, numbers, runs);
+  ForgetLabels();
+  along_k_.clear();
+  return bits;
 }
 
 }  // namespace latvox

@@ -34,6 +34,12 @@ class LabelSweep {
   //   numbers   the labels by rank
   void Finish(std::span<const uint32_t> numbers, std::span<uint64_t> rows, LabelRuns& labels);
 
+  // Finds the same for one row alone, from its changes along k, and forgets these. Appends its runs.
+  uint64_t FinishLine(std::span<const uint32_t> numbers, std::vector<LabelRun>& runs);
+
+  // The number of crossings so far.
+  size_t Size() const { return starts_.size() + along_i_.size() + along_j_.size() + along_k_.size(); }
+
   size_t Bytes() const {
     return BytesOf(starts_) + BytesOf(along_i_) + BytesOf(along_j_) + BytesOf(along_k_) + BytesOf(sorted_) +
            BytesOf(row_ends_) + BytesOf(places_) + BytesOf(present_) + BytesOf(sums_) + BytesOf(inside_);
@@ -54,6 +60,7 @@ class LabelSweep {
   static uint32_t RankOf(Change change) { return static_cast<uint32_t>(change >> 1) & ((1 << (kAtShift - 1)) - 1); }
 
   void NumberLabels();
+  void ForgetLabels();
   void SortRows();
   void Apply(Change change, int32_t sign);
   void Apply(std::span<const Change> changes, int32_t sign);

@@ -4,9 +4,13 @@
 #include <oneapi/tbb/parallel_for.h>
 
 #include <algorithm>
+#include <bit>
+#include <map>
 #include <span>
+#include <utility>
 
 #include "core/solid/balance.h"
+#include "core/solid/closed_rows.h"
 #include "core/solid/line_crossings.h"
 #include "core/solid/tile_crossings.h"
 
@@ -91,13 +95,10 @@ class ClosedLabeledInterior : public Interior {
   void Find(const Vec3i& tile_ijk, std::span<const uint32_t> triangles, InteriorRows& rows) const override {
     LabelSweep& sweep = rows.sweep_;
     sweep.Begin(rule_, labels_.numbers.size());
-    const uint64_t end = LineCrossing::Least(tile_ijk[0], tile_ijk[1], tile_ijk[2] + 1);
-    for (auto corner = FirstFrom(corners_, LineCrossing::Least(tile_ijk[0], tile_ijk[1], -kTileSide));
-         corner != corners_.end() && corner->place < end; ++corner) {
-      sweep.AddStart(corner->rank, LineCrossing::Turn(corner->place));
-    }
+    ForEachBelow(tile_ijk, [&](uint32_t rank, int32_t turn) { sweep.AddStart(rank, turn); });
     const Vec3i low = tile_ijk * kTileSide;
     for (const uint32_t t : triangles) {
+      if (sweep.Size() > kMostCrossings) return FindLabelByLabel(tile_ijk, triangles, rows);
       if (stop_.Stopped()) break;  // a caller may still look at the labels
       const uint32_t rank = labels_.of_triangles[t];
       ForEachTileCrossing(
@@ -109,6 +110,62 @@ class ClosedLabeledInterior : public Interior {
   }
 
  private:
+  // Of a tile, that are kept at a time: a few megabytes.
+  static constexpr size_t kMostCrossings = 1 << 18;
+
+  // Takes the same memory for any number of triangles and labels. From the highest priority down, each label gets the
+  // points that are left.
+  void FindLabelByLabel(const Vec3i& tile_ijk, std::span<const uint32_t> triangles, InteriorRows& rows) const {
+    std::map<uint32_t, int32_t> sums = SumsAtCorner(tile_ijk);  // by rank
+    std::vector<uint32_t> sorted(triangles.begin(), triangles.end());
+    std::ranges::stable_sort(sorted, {}, [&](uint32_t t) { return labels_.of_triangles[t]; });
+    for (const uint32_t t : sorted) sums.try_emplace(labels_.of_triangles[t], 0);
+    std::vector<uint64_t> taken(InteriorRows::kRows);
+    rows.of_points_.assign(InteriorRows::kRows * kTileSide, kNoLabel);
+    auto first = sorted.begin();
+    for (const auto& [rank, at_corner] : sums) {
+      if (stop_.Stopped()) break;
+      const auto end = std::find_if(first, sorted.end(), [&](uint32_t t) { return labels_.of_triangles[t] != rank; });
+      ClosedRows::Find(mesh_, rule_, tile_ijk * kTileSide, at_corner, {first, end}, stop_, rows);
+      first = end;
+      for (size_t row = 0; row < InteriorRows::kRows; ++row) {
+        for (uint64_t free = rows.rows_[row] & ~taken[row]; free != 0; free &= free - 1) {
+          rows.of_points_[row * kTileSide + static_cast<size_t>(std::countr_zero(free))] = labels_.numbers[rank];
+        }
+        taken[row] |= rows.rows_[row];
+      }
+    }
+    rows.rows_ = std::move(taken);
+    SetRuns(rows.of_points_, rows.labels_);
+  }
+
+  static void SetRuns(std::span<const uint32_t> of_points, LabelRuns& labels) {
+    labels.clear();
+    for (size_t n = 0; n < of_points.size(); ++n) {
+      const auto k = static_cast<uint32_t>(n % kTileSide);
+      if (k == 0) labels.starts.push_back(static_cast<uint32_t>(labels.runs.size()));
+      if (k == 0 || of_points[n] != of_points[n - 1]) labels.runs.push_back({k, of_points[n]});
+    }
+    labels.starts.push_back(static_cast<uint32_t>(labels.runs.size()));
+  }
+
+  std::map<uint32_t, int32_t> SumsAtCorner(const Vec3i& tile_ijk) const {
+    std::map<uint32_t, int32_t> sums;
+    ForEachBelow(tile_ijk, [&](uint32_t rank, int32_t turn) { sums[rank] += turn; });
+    std::erase_if(sums, [](const auto& of) { return of.second == 0; });
+    return sums;
+  }
+
+  // Calls f(rank, turn) for each crossing of the line through the tile's lowest point, below it.
+  template <class F>
+  void ForEachBelow(const Vec3i& tile_ijk, const F& f) const {
+    const uint64_t end = LineCrossing::Least(tile_ijk[0], tile_ijk[1], tile_ijk[2] + 1);
+    for (auto corner = FirstFrom(corners_, LineCrossing::Least(tile_ijk[0], tile_ijk[1], -kTileSide));
+         corner != corners_.end() && corner->place < end; ++corner) {
+      f(corner->rank, LineCrossing::Turn(corner->place));
+    }
+  }
+
   const SnappedMesh& mesh_;
   const Labels& labels_;
   const InteriorRule rule_;
@@ -140,18 +197,21 @@ class OpenLabeledInterior : public Interior {
     LabelSweep& sweep = rows.sweep_;
     sweep.Begin(rule_, labels_.numbers.size());
     const Vec3i low = tile_ijk * kTileSide;
+    rows.labels_.clear();
     for (int32_t i = 0; i < kTileSide; ++i) {
-      const uint64_t end = LineCrossing::Least(low[0] + i, low[1] + kTileSide, -kTileSide);
-      for (auto crossing = FirstFrom(crossings_, LineCrossing::Least(low[0] + i, low[1], -kTileSide));
-           crossing != crossings_.end() && crossing->place < end; ++crossing) {
-        const int32_t j = LineCrossing::LineJ(crossing->place) - low[1];
-        const int32_t k = std::max(LineCrossing::Above(crossing->place) - low[2], 0);
-        if (k >= kTileSide) continue;
-        sweep.AddAlongK(static_cast<size_t>(i * kTileSide + j), static_cast<size_t>(k), crossing->rank,
-                        LineCrossing::Turn(crossing->place));
+      auto crossing = FirstFrom(crossings_, LineCrossing::Least(low[0] + i, low[1], -kTileSide));
+      for (int32_t j = 0; j < kTileSide; ++j) {
+        const uint64_t end = LineCrossing::Least(low[0] + i, low[1] + j + 1, -kTileSide);
+        for (; crossing != crossings_.end() && crossing->place < end; ++crossing) {
+          const int32_t k = std::max(LineCrossing::Above(crossing->place) - low[2], 0);
+          if (k >= kTileSide) continue;
+          sweep.AddAlongK(0, static_cast<size_t>(k), crossing->rank, LineCrossing::Turn(crossing->place));
+        }
+        rows.labels_.starts.push_back(static_cast<uint32_t>(rows.labels_.runs.size()));
+        rows.rows_[static_cast<size_t>(i * kTileSide + j)] = sweep.FinishLine(labels_.numbers, rows.labels_.runs);
       }
     }
-    sweep.Finish(labels_.numbers, rows.rows_, rows.labels_);
+    rows.labels_.starts.push_back(static_cast<uint32_t>(rows.labels_.runs.size()));
   }
 
  private:

@@ -176,6 +176,27 @@ TEST(LabeledSolids, MayHaveManyLabelsInATile) {
             Fill(bodies, InteriorRule::kWinding, solid.priority).labels);
 }
 
+// So many crossings in a tile that its labels are found one by one. Boxes lie between lattice points.
+TEST(LabeledSolids, MayHaveManyCrossingsInATile) {
+  const Lattice lattice = Lattice::Named(NamedLattice::kCartesian);
+  Bodies bodies;
+  std::map<Int3, uint32_t> expected;
+  for (uint32_t n = 0; n < 120; ++n) {
+    const Int3 low{n * 37 % 11, n * 53 % 13, n * 29 % 17}, high{low[0] + 50, low[1] + 48 + n % 5, low[2] + 45 + n % 3};
+    const auto at = [](const Int3& v) { return Int3{256 * v[0] - 128, 256 * v[1] - 128, 256 * v[2] - 128}; };
+    bodies.Add(Box(at(low), at(high)), n);
+    for (int64_t i = low[0]; i < high[0]; ++i) {
+      for (int64_t j = low[1]; j < high[1]; ++j) {
+        for (int64_t k = low[2]; k < high[2]; ++k) expected[{i, j, k}] = n;  // a larger number covers it
+      }
+    }
+  }
+  for (const InteriorRule rule : {InteriorRule::kParity, InteriorRule::kWinding}) {
+    EXPECT_EQ(LabelsOf(Label(bodies.World(lattice, {}), lattice, {.rule = rule, .surface = SolidSurface::kNone})),
+              expected);
+  }
+}
+
 TEST(LabeledSolids, TakeTheSmallestNumberOfATrianglesCorners) {
   const Lattice lattice = Lattice::Named(NamedLattice::kBcc);
   Bodies bodies;
