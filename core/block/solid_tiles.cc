@@ -4,10 +4,12 @@
 #include <bit>
 #include <cstdlib>
 #include <cstring>
+#include <utility>
 
 #include "absl/strings/str_format.h"
 #include "core/brick/tile_order.h"
 #include "core/solid/balance.h"
+#include "core/solid/labeled_interior.h"
 #include "core/tile/cut_out.h"
 
 namespace latvox {
@@ -32,6 +34,29 @@ absl::StatusOr<std::unique_ptr<const Interior>> MakeInterior(const SnappedMesh& 
   }
   std::unique_ptr<const Interior> interior =
       has_inside ? MakeClosedInterior(mesh, rule, region, stop) : MakeOpenInterior(mesh, rule, region, stop);
+  if (stop.Stopped()) return absl::CancelledError("voxelization cancelled");
+  return interior;
+}
+
+absl::StatusOr<std::unique_ptr<const Interior>> MakeLabeledInterior(const SnappedMesh& mesh, const Labels& labels,
+                                                                    const Solid& solid, const IndexBox& region,
+                                                                    StopSignal stop, InteriorRule& rule,
+                                                                    uint64_t& unbalanced_lines) {
+  const LabelBalance balance = BalanceOfLabels(mesh, labels, solid, stop);
+  rule = balance.rule;
+  unbalanced_lines = balance.unbalanced_lines;
+  const bool has_inside = balance.open_labels == 0;
+  if (!has_inside && !solid.force_open && !stop.Stopped()) {
+    const size_t others = balance.open_labels - 1;
+    return absl::InvalidArgumentError(absl::StrFormat(
+        "mesh: %s %d is not closed%s, and %d of its lattice lines along k end unbalanced%s; force_open fills the "
+        "others",
+        NameOf(labels.field), balance.first_open,
+        balance.first_closed ? absl::StrFormat(" with one orientation, as the rule %s asks", NameOf(rule)) : "",
+        balance.first_lines, others == 0 ? "" : absl::StrFormat("; %d more labels have no inside", others)));
+  }
+  std::unique_ptr<const Interior> interior = has_inside ? MakeClosedLabeledInterior(mesh, labels, rule, region, stop)
+                                                        : MakeOpenLabeledInterior(mesh, labels, rule, region, stop);
   if (stop.Stopped()) return absl::CancelledError("voxelization cancelled");
   return interior;
 }
@@ -71,13 +96,17 @@ void SolidTiles::Sort(const SnappedMesh& mesh, const TileNode& node, StopSignal 
 TileBricks SolidTiles::CutOut(const TileContext& context, const Interior& interior, size_t number,
                               const Vec3i& tile_ijk, BlockVoxels* surface) {
   interior.Find(tile_ijk, triangles_[number], rows_);
+  TileBricks tile;
   if (surface != nullptr) {
     surface->AddRows(tile_ijk, rows_.view());
-    return surface->CutOut(context, tile_ijk);
+    tile = surface->CutOut(context, tile_ijk);
+  } else {
+    static_assert(std::endian::native == std::endian::little, "words of both sizes are read as bytes");
+    std::memcpy(bits_.words().data(), rows_.view().data(), rows_.view().size_bytes());
+    tile = latvox::CutOut(LayoutOf(tile_ijk), bits_, tile_ijk * kTileSide, context.region, context.mesh.base_ijk);
   }
-  static_assert(std::endian::native == std::endian::little, "words of both sizes are read as bytes");
-  std::memcpy(bits_.words().data(), rows_.view().data(), rows_.view().size_bytes());
-  return latvox::CutOut(LayoutOf(tile_ijk), bits_, tile_ijk * kTileSide, context.region, context.mesh.base_ijk);
+  tile.labels = std::exchange(rows_.labels(), {});
+  return tile;
 }
 
 size_t SolidTiles::Bytes() const {

@@ -15,6 +15,7 @@
 #include "core/request/solid.h"
 #include "core/snap/snap.h"
 #include "core/solid/interior.h"
+#include "core/solid/labels.h"
 #include "core/tile/tile_bits.h"
 #include "core/tree/tile_tree.h"
 
@@ -28,6 +29,13 @@ namespace latvox {
 absl::StatusOr<std::unique_ptr<const Interior>> MakeInterior(const SnappedMesh& mesh, const Solid& solid, bool closed,
                                                              const IndexBox& region, StopSignal stop,
                                                              InteriorRule& rule, uint64_t& unbalanced_lines);
+
+// The same for a labeled solid. It sums up the unbalanced lines of all labels.
+// Errors: INVALID_ARGUMENT, naming the first label that has no inside, unless solid.force_open is set; CANCELLED.
+absl::StatusOr<std::unique_ptr<const Interior>> MakeLabeledInterior(const SnappedMesh& mesh, const Labels& labels,
+                                                                    const Solid& solid, const IndexBox& region,
+                                                                    StopSignal stop, InteriorRule& rule,
+                                                                    uint64_t& unbalanced_lines);
 
 // Returns whether the frames include those along the three axes of lattice coordinates. Then a triangle that touches no
 // line along the frames does not matter to the interior, either.

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "core/base/vec.h"
+#include "core/brick/label_runs.h"
 
 namespace latvox {
 
@@ -39,6 +40,8 @@ struct TileBricks {
   // For a band, until its fields are found: the square of each voxel's distance, in units (core/band/metric.h), brick
   // by brick, in the masks' order.
   std::vector<double> squares = {};
+  // For a labeled solid, until its fields are found: the labels of all points inside.
+  LabelRuns labels = {};
   // One for each field of the request, in its order: the values of all voxels, in the same order.
   std::vector<std::vector<std::byte>> fields = {};
 };

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cassert>
 #include <cmath>
+#include <cstring>
 #include <utility>
 
 namespace latvox {
@@ -52,27 +53,71 @@ void FieldScan::Find(const FieldContext& context, std::span<const uint32_t> tria
     FindBrick(context, brick, square, tile);
   }
   tile.squares = {};
+  tile.labels = {};
+}
+
+// Appends the labels of a brick. Returns false, and appends nothing, if a voxel has none.
+bool FieldScan::AppendLabels(const Brick& brick, TileBricks& tile) const {
+  std::vector<std::byte>& out = tile.fields.front();
+  const size_t before = out.size();
+  out.resize(before + CountVoxels(brick.mask) * sizeof(uint32_t));
+  std::byte* next = out.data() + before;
+  const Vec3i corner = (brick.brick_ijk - tile.tile_ijk * kBrickSide) * kBrickSide;  // in the tile
+  const auto first_k = static_cast<uint32_t>(corner[2]);
+  for (int32_t n = 0; n < kBrickSide * kBrickSide; ++n) {
+    const int32_t x = n >> kBrickBits, y = n & (kBrickSide - 1);
+    uint64_t bits = brick.mask[static_cast<size_t>(x)] >> (y << kBrickBits) & 0xFF;
+    if (bits == 0) continue;
+    const auto row = static_cast<size_t>((corner[0] + x) << kTileBits | (corner[1] + y));
+    const LabelRun* run = tile.labels.Find(row, first_k);
+    uint32_t end = tile.labels.EndOf(row, run);
+    if (end >= first_k + kBrickSide && run->label != kNoLabel) {
+      std::array<uint32_t, kBrickSide> copies;
+      copies.fill(run->label);
+      const auto bytes = static_cast<size_t>(std::popcount(bits)) * sizeof(uint32_t);
+      std::memcpy(next, copies.data(), bytes);
+      next += bytes;
+      continue;
+    }
+    for (; bits != 0; bits &= bits - 1) {
+      const uint32_t k = first_k + static_cast<uint32_t>(std::countr_zero(bits));
+      while (k >= end) end = tile.labels.EndOf(row, ++run);
+      if (run->label == kNoLabel) {
+        out.resize(before);
+        return false;
+      }
+      std::memcpy(next, &run->label, sizeof(run->label));
+      next += sizeof(run->label);
+    }
+  }
+  return true;
 }
 
 // `square`: null, or those of the brick's voxels; moves on to those of the next brick.
 void FieldScan::FindBrick(const FieldContext& context, const Brick& brick, const double*& square, TileBricks& tile) {
+  const bool is_labeled = context.plan.label_place.has_value();
+  if (context.plan.is_label_alone && AppendLabels(brick, tile)) return;
   const Vec3i corner = brick.brick_ijk * kBrickSide - context.mesh.base_ijk;
+  agreed_.reset();
   if (context.plan.is_searched) List(context, corner);
   for (int32_t x = 0; x < kBrickSide; ++x) {
     for (uint64_t bits = brick.mask[static_cast<size_t>(x)]; bits != 0; bits &= bits - 1) {
       const int yz = std::countr_zero(bits);
       const Vec3i ijk = corner + Vec3i{x, yz >> kBrickBits, yz & (kBrickSide - 1)}, at = ijk - tile_min_;
       Nearest nearest{ijk * kLatticeUnit, false, 0, 0, nullptr, {}};
-      if (has_inside_) {
-        nearest.is_inside = (inside_.view()[static_cast<size_t>(at[0] << kTileBits | at[1])] >> at[2] & 1) != 0;
-      }
+      const auto row = static_cast<size_t>(at[0] << kTileBits | at[1]);
+      if (has_inside_) nearest.is_inside = (inside_.view()[row] >> at[2] & 1) != 0;
+      const uint32_t label = is_labeled ? tile.labels.Find(row, static_cast<uint32_t>(at[2]))->label : kNoLabel;
       if (square != nullptr) nearest.square = *square++;
-      if (context.plan.is_searched) {
+      if (agreed_) {
+        nearest.numbers = *agreed_;
+      } else if (context.plan.is_searched && !(context.plan.is_label_alone && label != kNoLabel)) {
         FindCandidates(context, nearest.point, square != nullptr ? nearest.square : context.plan.most_square);
         if (context.stop.Stopped()) return;
         nearest.square = least_;
         if (!Decide(context, nearest)) return;
       }
+      if (label != kNoLabel) nearest.numbers[*context.plan.label_place] = label;
       for (size_t n = 0; n < context.writers.size(); ++n) context.writers[n]->Append(nearest, tile.fields[n]);
     }
   }
@@ -94,6 +139,8 @@ void FieldScan::List(const FieldContext& context, const Vec3i& brick_min) {
   }
   const Vec3d low = middle - half, high = middle + half;
   double bound = context.plan.most_square;
+  // Mostly all these triangles have the same numbers. Then it does not matter which one is nearest.
+  bool may_agree = context.plan.of_mesh.size() == context.plan.fields.size();
   context.index->ForEachNear(low, high, bound, [&](uint32_t triangle) {
     Listed listed{{}, {}, triangle};
     const Triangle corners = context.mesh.TriangleAt(triangle);
@@ -107,13 +154,26 @@ void FieldScan::List(const FieldContext& context, const Vec3i& brick_min) {
       square += beyond * beyond;
     }
     if (square > bound) return;
-    if (list_.size() == kMost) {
-      has_list_ = false;
-      bound = -1;  // ends the search
+    may_agree = may_agree && Agrees(context, triangle);
+    if (list_.size() < kMost) {
+      list_.push_back(listed);
       return;
     }
-    list_.push_back(listed);
+    has_list_ = false;
+    if (!may_agree || context.stop.Stopped()) bound = -1;  // ends the search
   });
+  if (!may_agree) agreed_.reset();
+}
+
+// Returns whether the triangle's corners have the numbers that all corners before had.
+bool FieldScan::Agrees(const FieldContext& context, uint32_t triangle) {
+  const size_t count = context.plan.of_mesh.size();
+  for (const uint32_t vertex : context.mesh.triangles[triangle]) {
+    const uint32_t* const numbers = &context.plan.of_vertices[size_t{vertex} * count];
+    if (!agreed_) std::copy_n(numbers, count, agreed_.emplace().begin());
+    if (!std::equal(numbers, numbers + count, agreed_->begin())) return false;
+  }
+  return true;
 }
 
 // Finds all triangles that may be at the smallest distance.

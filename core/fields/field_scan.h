@@ -64,7 +64,9 @@ class FieldScan {
   };
 
   void FindBrick(const FieldContext& context, const Brick& brick, const double*& square, TileBricks& tile);
+  bool AppendLabels(const Brick& brick, TileBricks& tile) const;
   void List(const FieldContext& context, const Vec3i& brick_min);
+  bool Agrees(const FieldContext& context, uint32_t triangle);
   void FindCandidates(const FieldContext& context, const Vec3i& point, double bound);
   void Offer(const FieldContext& context, uint32_t number, const Vec3i& point, double& limit);
   bool Decide(const FieldContext& context, Nearest& nearest);
@@ -80,6 +82,8 @@ class FieldScan {
   // All triangles that may be the nearest to a voxel of the brick, if these are few.
   std::vector<Listed> list_;
   bool has_list_ = false;
+  // The numbers of all corners of these triangles, if they are the same and the fields are numbers of the mesh alone.
+  std::optional<std::array<uint32_t, kMostMeshFields>> agreed_;
   std::vector<Candidate> candidates_;
   double least_ = 0;  // the smallest square among them
   // The nearest triangle so far, also of the voxel before.

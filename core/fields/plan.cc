@@ -22,14 +22,23 @@ absl::Status CheckDistances(double size) {
                    "fields", absl::StrFormat("%g", size), absl::StrFormat("%g", size < kLeast ? kLeast : kMost));
 }
 
+// Where the labels of a labeled solid stand among the fields of the mesh.
+std::optional<size_t> PlaceOfLabels(const VoxelRequest& request) {
+  const Solid* const solid = request.solid();
+  if (solid == nullptr || !solid->labels) return std::nullopt;
+  const FieldList of_mesh = request.fields.OfMesh();
+  return static_cast<size_t>(std::ranges::find(of_mesh, *solid->labels) - of_mesh.begin());
+}
+
 double LengthOf(const Vec3d& v) { return std::sqrt(Dot(v, v)); }
 
-// The distance of voxels from the mesh, world units; infinite if there is no bound. A separating voxel is an end of a
-// link along a frame, and the mesh crosses the nearer half of that link. The cell of a supercover's voxel meets the
-// mesh. It reaches no farther than half the diagonal of a box with sides as long as the basis vectors, because the
-// nearest plane method finds a lattice point within that distance of any point.
-double FarthestVoxel(const VoxelRequest& request, const Lattice& lattice) {
-  if (request.band() != nullptr || request.solid() != nullptr) return std::numeric_limits<double>::infinity();
+// The distance from the mesh of voxels that are searched, world units; infinite if there is no bound. A separating
+// voxel is an end of a link along a frame, and the mesh crosses the nearer half of that link. The cell of a
+// supercover's voxel meets the mesh. It reaches no farther than half the diagonal of a box with sides as long as the
+// basis vectors, because the nearest plane method finds a lattice point within that distance of any point.
+double FarthestVoxel(const VoxelRequest& request, const Lattice& lattice, bool is_label_alone) {
+  const bool has_inside = request.solid() != nullptr && !is_label_alone;
+  if (request.band() != nullptr || has_inside) return std::numeric_limits<double>::infinity();
   const Mat3d& basis = lattice.basis();
   if (request.is_supercover()) return LengthOf({LengthOf(basis[0]), LengthOf(basis[1]), LengthOf(basis[2])}) / 2;
   double longest = 0;
@@ -50,13 +59,18 @@ absl::StatusOr<FieldPlan> MakeFieldPlan(const VoxelRequest& request, const Latti
   const absl::StatusOr<Metric> metric = MakeMetric(lattice);
   if (!metric.ok()) return metric.status();
   constexpr double kSlack = 1 + 0x1p-16;  // for rounding, including that of the metric and of a supercover's cell
-  const double farthest = FarthestVoxel(request, lattice) / size * kLatticeUnit * kSlack;
   const bool has_band = request.band() != nullptr;
+  const std::optional<size_t> label_place = PlaceOfLabels(request);
+  const bool is_label_alone = label_place && request.fields.size() == 1;
+  const double farthest = FarthestVoxel(request, lattice, is_label_alone) / size * kLatticeUnit * kSlack;
   return FieldPlan{
       .fields = request.fields,
       .is_signed = request.signed_distance,
       .has_squares = has_band,
-      .is_searched = !has_band || request.fields != FieldList{Field::kDistance},
+      .is_searched =
+          has_band ? request.fields != FieldList{Field::kDistance} : !is_label_alone || request.has_surface(),
+      .label_place = label_place,
+      .is_label_alone = is_label_alone,
       .metric = *metric,
       .most_square = farthest * farthest,
       .unit = size / kLatticeUnit,

@@ -2,7 +2,9 @@
 #ifndef LATVOX_CORE_FIELDS_PLAN_H_
 #define LATVOX_CORE_FIELDS_PLAN_H_
 
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -17,9 +19,12 @@ struct FieldPlan {
   FieldList fields;  // at least one
   bool is_signed;    // distances are negative inside
   bool has_squares;  // tiles bring the squares of their voxels' distances: those of a band
-  bool is_searched;  // fields need more than these squares
+  bool is_searched;  // fields need more than these squares, and more than labels
+  // For a labeled solid: where the labels stand in `of_mesh`. Points inside of a label have it for their number.
+  std::optional<size_t> label_place;
+  bool is_label_alone;  // points inside of a label need no search
   Metric metric;
-  double most_square;                 // of the distance of a voxel, in units; infinite for a set that may be far
+  double most_square;                 // of the distance of a searched voxel, in units; infinite if it may be far
   double unit;                        // world length of a unit of the metric
   double most_distance;               // world units: no distance is longer, as a 32-bit float; infinite without a band
   Mat3d basis;                        // of the lattice, world units

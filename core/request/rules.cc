@@ -67,6 +67,40 @@ Found CheckSignedDistance(const VoxelizeOptions& options) {
   return Breach{"signed_distance", "signed_distance true: needs distance among fields", "true"};
 }
 
+Found CheckLabels(const VoxelizeOptions& options) {
+  const Solid* const solid = std::get_if<Solid>(&options.set);
+  if (solid == nullptr || !solid->labels) return std::nullopt;
+  const std::string name = NameOf(*solid->labels);
+  if (*solid->labels != Field::kPart && *solid->labels != Field::kMaterial) {
+    return Breach{"solid.labels", absl::StrCat("solid.labels ", name, " is neither part nor material"), name};
+  }
+  if (options.fields.Contains(*solid->labels)) return std::nullopt;
+  return Breach{"solid.labels", absl::StrCat("solid.labels ", name, ": needs ", name, " among fields"), name};
+}
+
+Found CheckPriority(const VoxelizeOptions& options) {
+  constexpr uint32_t kLargest = FactsOf(Field::kPart).largest;
+  static_assert(kLargest == FactsOf(Field::kMaterial).largest);
+  const Solid* const solid = std::get_if<Solid>(&options.set);
+  if (solid == nullptr || solid->priority.empty()) return std::nullopt;
+  const std::vector<uint32_t>& priority = solid->priority;
+  if (!solid->labels) return Breach{"solid.priority", "solid.priority: needs solid.labels"};
+  if (priority.size() > kMaxLabels) {
+    return Breach{"solid.priority", absl::StrCat("solid.priority: ", priority.size(), " labels exceed ", kMaxLabels),
+                  absl::StrCat(priority.size()), absl::StrCat(kMaxLabels)};
+  }
+  for (const uint32_t label : priority) {
+    if (label <= kLargest) continue;
+    return Breach{"solid.priority", absl::StrCat("solid.priority ", label, " exceeds ", kLargest), absl::StrCat(label),
+                  absl::StrCat(kLargest)};
+  }
+  std::vector<uint32_t> sorted = priority;
+  std::ranges::sort(sorted);
+  const auto twice = std::ranges::adjacent_find(sorted);
+  if (twice == sorted.end()) return std::nullopt;
+  return Breach{"solid.priority", absl::StrCat("solid.priority ", *twice, " occurs twice"), absl::StrCat(*twice)};
+}
+
 constexpr std::array kValueRules{
     ValueRule{"separability", CheckSeparability},
     ValueRule{"region", CheckRegion},
@@ -74,6 +108,8 @@ constexpr std::array kValueRules{
     ValueRule{"shard", CheckShard},
     ValueRule{"band", CheckBand},
     ValueRule{"signed_distance", CheckSignedDistance},
+    ValueRule{"solid.labels", CheckLabels},
+    ValueRule{"solid.priority", CheckPriority},
 };
 
 using O = VoxelizeOptions;

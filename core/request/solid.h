@@ -4,7 +4,11 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string_view>
+#include <vector>
+
+#include "core/request/fields.h"
 
 namespace latvox {
 
@@ -39,7 +43,14 @@ struct Solid {
   InteriorRule rule = InteriorRule::kAuto;
   SolidSurface surface = SolidSurface::kSeparating;
   bool force_open = false;  // fill a mesh that is not closed, where its lines along k are balanced
+  // A labeled solid: each number of this field, which is Field::kPart or kMaterial, has its own inside.
+  std::optional<Field> labels = std::nullopt;
+  // Labels from the highest priority down. Labels that are not listed come after these, larger numbers first.
+  std::vector<uint32_t> priority = {};
 };
+
+// Of a labeled solid.
+inline constexpr size_t kMaxLabels = 1 << 16;
 
 }  // namespace latvox
 

@@ -7,6 +7,7 @@
 #include <array>
 #include <functional>
 #include <numeric>
+#include <span>
 #include <vector>
 
 #include "core/solid/axis_crossing.h"
@@ -19,17 +20,30 @@ namespace {
 
 using Part = oneapi::tbb::blocked_range<size_t>;
 
-// A linear form of the edges' multiplicities, modulo 2^64 in each half.
-using EdgeSum = std::array<uint64_t, 2>;
+// Linear forms of the edges' multiplicities.
+struct EdgeSum {
+  std::array<uint64_t, 2> turns{};   // modulo 2^64 in each half; an edge counts with its sense
+  std::array<uint64_t, 2> parity{};  // modulo 2
 
-void AddEdge(const Vec3i& from, const Vec3i& to, EdgeSum& sum) {
-  if (from == to) return;
-  const bool up = from < to;
-  const std::array<Vec3i, 2> ends = {up ? from : to, up ? to : from};
-  const XXH128_hash_t hash = XXH3_128bits(ends.data(), sizeof(ends));
-  sum[0] += up ? hash.low64 : 0 - hash.low64;
-  sum[1] += up ? hash.high64 : 0 - hash.high64;
-}
+  void Add(const Vec3i& from, const Vec3i& to) {
+    if (from == to) return;
+    const bool up = from < to;
+    const std::array<Vec3i, 2> ends = {up ? from : to, up ? to : from};
+    const XXH128_hash_t hash = XXH3_128bits(ends.data(), sizeof(ends));
+    turns[0] += up ? hash.low64 : 0 - hash.low64;
+    turns[1] += up ? hash.high64 : 0 - hash.high64;
+    parity[0] ^= hash.low64;
+    parity[1] ^= hash.high64;
+  }
+  void Add(const Triangle& triangle) {
+    for (size_t n = 0; n < 3; ++n) Add(triangle[n], triangle[(n + 1) % 3]);
+  }
+  EdgeSum operator+(const EdgeSum& other) const {
+    return {{turns[0] + other.turns[0], turns[1] + other.turns[1]},
+            {parity[0] ^ other.parity[0], parity[1] ^ other.parity[1]}};
+  }
+  PartBalance Balance() const { return {parity == decltype(parity){}, turns == decltype(turns){}}; }
+};
 
 // A square of lines along k: a, b are i, j of its lowest line.
 struct Square {
@@ -45,7 +59,7 @@ class LineCount {
  public:
   LineCount(const SnappedMesh& mesh, InteriorRule rule, StopSignal stop) : mesh_(mesh), rule_(rule), stop_(stop) {}
 
-  uint64_t Unbalanced(const Square& square, const std::vector<uint32_t>& triangles) const {
+  uint64_t Unbalanced(const Square& square, std::span<const uint32_t> triangles) const {
     if (triangles.empty() || stop_.Stopped()) return 0;
     if (square.level == 0) return CountLines(square, triangles);
     return oneapi::tbb::parallel_reduce(
@@ -62,7 +76,7 @@ class LineCount {
   }
 
  private:
-  std::vector<uint32_t> Near(const Square& square, const std::vector<uint32_t>& triangles) const {
+  std::vector<uint32_t> Near(const Square& square, std::span<const uint32_t> triangles) const {
     const AxisLines lines = square.Lines();
     std::vector<uint32_t> near;
     std::copy_if(triangles.begin(), triangles.end(), std::back_inserter(near), [&](uint32_t t) {
@@ -76,7 +90,7 @@ class LineCount {
     return near;
   }
 
-  uint64_t CountLines(const Square& square, const std::vector<uint32_t>& triangles) const {
+  uint64_t CountLines(const Square& square, std::span<const uint32_t> triangles) const {
     std::array<int32_t, size_t{kTileSide} * kTileSide> sums{};
     for (const uint32_t t : triangles) {
       if (stop_.Stopped()) return 0;
@@ -101,27 +115,34 @@ bool IsOriented(const SnappedMesh& mesh, StopSignal stop) {
   const EdgeSum sum = oneapi::tbb::parallel_reduce(
       Part(0, mesh.triangles.size(), kGrain), EdgeSum{},
       [&](const Part& part, EdgeSum so_far) {
-        for (size_t t = part.begin(); t < part.end() && !stop.Stopped(); ++t) {
-          const auto [a, b, c] = mesh.TriangleAt(t);
-          AddEdge(a, b, so_far);
-          AddEdge(b, c, so_far);
-          AddEdge(c, a, so_far);
-        }
+        for (size_t t = part.begin(); t < part.end() && !stop.Stopped(); ++t) so_far.Add(mesh.TriangleAt(t));
         return so_far;
       },
-      [](const EdgeSum& x, const EdgeSum& y) {
-        return EdgeSum{x[0] + y[0], x[1] + y[1]};
-      });
-  return sum == EdgeSum{};
+      std::plus<>());
+  return sum.Balance().oriented;
 }
 
 uint64_t CountUnbalancedLines(const SnappedMesh& mesh, InteriorRule rule, StopSignal stop) {
   std::vector<uint32_t> triangles(mesh.triangles.size());
   std::iota(triangles.begin(), triangles.end(), 0);
+  return CountUnbalancedLines(mesh, triangles, rule, stop);
+}
+
+uint64_t CountUnbalancedLines(const SnappedMesh& mesh, std::span<const uint32_t> triangles, InteriorRule rule,
+                              StopSignal stop) {
   // Vertices lie above 0; the box reaches beyond them.
   int level = 0;
   while ((kTileSide << level) < std::max(mesh.box.max[0], mesh.box.max[1])) ++level;
   return LineCount(mesh, rule, stop).Unbalanced({0, 0, level}, triangles);
+}
+
+PartBalance BalanceOf(const SnappedMesh& mesh, std::span<const uint32_t> triangles, StopSignal stop) {
+  EdgeSum sum;
+  for (const uint32_t t : triangles) {
+    if (stop.Stopped()) return {};
+    sum.Add(mesh.TriangleAt(t));
+  }
+  return sum.Balance();
 }
 
 }  // namespace latvox

@@ -3,6 +3,7 @@
 #define LATVOX_CORE_SOLID_BALANCE_H_
 
 #include <cstdint>
+#include <span>
 
 #include "core/base/stop_signal.h"
 #include "core/request/solid.h"
@@ -19,6 +20,16 @@ bool IsOriented(const SnappedMesh& mesh, StopSignal stop = {});
 // or not 0 (other rules). A closed (kParity) or oriented (other rules) mesh has none. Another mesh may have none as
 // well, if no line passes through its holes. Memory: O(triangles).
 uint64_t CountUnbalancedLines(const SnappedMesh& mesh, InteriorRule rule, StopSignal stop = {});
+// The same for some triangles of a mesh.
+uint64_t CountUnbalancedLines(const SnappedMesh& mesh, std::span<const uint32_t> triangles, InteriorRule rule,
+                              StopSignal stop = {});
+
+// Some triangles of a mesh as a surface, with the same certainty as IsOriented.
+struct PartBalance {
+  bool closed = false;    // every edge occurs an even number of times
+  bool oriented = false;  // every edge occurs equally often in both senses
+};
+PartBalance BalanceOf(const SnappedMesh& mesh, std::span<const uint32_t> triangles, StopSignal stop = {});
 
 }  // namespace latvox
 

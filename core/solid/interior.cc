@@ -1,26 +1,16 @@
 #include "core/solid/interior.h"
 
 #include <algorithm>
-#include <array>
-#include <bit>
 
-#include "core/solid/axis_crossing.h"
+#include "core/solid/closed_rows.h"
 #include "core/solid/line_crossings.h"
+#include "core/solid/tile_crossings.h"
 
 namespace latvox {
 namespace {
 
-// Corners of tiles are the points of a lattice of their own.
-constexpr int kCornerBits = kSubvoxelBits + kTileBits;
-
 // The points `first` .. 63 of a row.
 constexpr uint64_t From(int32_t first) { return first >= kTileSide ? 0 : ~uint64_t{0} << first; }
-
-// Bit k: whether an odd number of the bits up to k are set.
-constexpr uint64_t RunningParity(uint64_t bits) {
-  for (int shift = 1; shift < 64; shift *= 2) bits ^= bits << shift;
-  return bits;
-}
 
 }  // namespace
 
@@ -46,20 +36,7 @@ class ClosedInterior : public Interior {
   }
 
   void Find(const Vec3i& tile_ijk, std::span<const uint32_t> triangles, InteriorRows& rows) const override {
-    const Vec3i low = tile_ijk * kTileSide;
-    const int32_t at_corner = SumAtCorner(tile_ijk);
-    std::fill(rows.rows_.begin(), rows.rows_.end(), triangles.empty() && IsInside(rule_, at_corner) ? From(0) : 0);
-    if (triangles.empty()) return;
-    std::fill(rows.starts_.begin(), rows.starts_.end(), 0);
-    if (rule_ != InteriorRule::kParity) rows.turns_.resize(InteriorRows::kRows * kTileSide);
-    std::array<int32_t, kTileSide> along_i{};
-    along_i[0] = at_corner;
-    for (const uint32_t t : triangles) {
-      if (stop_.Stopped()) return;
-      Add(mesh_.TriangleAt(t), low, along_i, rows);
-    }
-    FinishStarts(along_i, rows);
-    FinishRows(rows);
+    ClosedRows::Find(mesh_, rule_, tile_ijk * kTileSide, SumAtCorner(tile_ijk), triangles, stop_, rows);
   }
 
  private:
@@ -67,81 +44,6 @@ class ClosedInterior : public Interior {
     const uint64_t end = LineCrossing::Least(tile_ijk[0], tile_ijk[1], tile_ijk[2] + 1);
     const auto after = std::lower_bound(corners_.begin(), corners_.end(), end);
     return after == corners_.begin() ? 0 : sums_[static_cast<size_t>(after - corners_.begin()) - 1];
-  }
-
-  // Adds the triangle's crossings of the first line along i, of the first plane's lines along j, and of all lines along
-  // k. Until they are finished, starts hold the change at each point of the sums along j.
-  void Add(const Triangle& triangle, const Vec3i& low, std::array<int32_t, kTileSide>& along_i,
-           InteriorRows& rows) const {
-    const auto lines = [&](size_t a, bool all_a, size_t b, bool all_b) {
-      const int64_t last = kTileSide - 1;
-      return AxisLines{{low[a], low[a] + (all_a ? last : 0)}, {low[b], low[b] + (all_b ? last : 0)}};
-    };
-    const auto is_within = [](int32_t step) { return step > 0 && step < kTileSide; };
-    ForEachAxisCrossing<kSubvoxelBits>(triangle, 0, lines(1, false, 2, false),
-                                       [&](int32_t, int32_t, int32_t above, int32_t turn) {
-                                         const int32_t i = above - low[0];
-                                         if (is_within(i)) along_i[static_cast<size_t>(i)] += turn;
-                                       });
-    ForEachAxisCrossing<kSubvoxelBits>(triangle, 1, lines(2, false, 0, true),
-                                       [&](int32_t, int32_t i, int32_t above, int32_t turn) {
-                                         const int32_t j = above - low[1];
-                                         if (is_within(j))
-                                           rows.starts_[static_cast<size_t>((i - low[0]) * kTileSide + j)] += turn;
-                                       });
-    ForEachAxisCrossing<kSubvoxelBits>(
-        triangle, 2, lines(0, true, 1, true), [&](int32_t i, int32_t j, int32_t above, int32_t turn) {
-          const int32_t k = above - low[2];
-          if (is_within(k)) AddToRow(static_cast<size_t>((i - low[0]) * kTileSide + j - low[1]), k, turn, rows);
-        });
-  }
-
-  // For kParity, rows mark the changes of parity; for other rules, possible changes of the sum.
-  void AddToRow(size_t row, int32_t k, int32_t turn, InteriorRows& rows) const {
-    const uint64_t bit = uint64_t{1} << k;
-    if (rule_ == InteriorRule::kParity) {
-      rows.rows_[row] ^= bit;
-    } else {
-      rows.rows_[row] |= bit;
-      rows.turns_[row * kTileSide + static_cast<size_t>(k)] += turn;
-    }
-  }
-
-  static void FinishStarts(const std::array<int32_t, kTileSide>& along_i, InteriorRows& rows) {
-    int32_t at_i = 0;
-    for (size_t i = 0; i < kTileSide; ++i) {
-      at_i += along_i[i];
-      int32_t at_j = at_i;
-      for (size_t j = 0; j < kTileSide; ++j) {
-        int32_t& start = rows.starts_[i * kTileSide + j];
-        start = at_j += start;
-      }
-    }
-  }
-
-  void FinishRows(InteriorRows& rows) const {
-    for (size_t row = 0; row < InteriorRows::kRows; ++row) {
-      const uint64_t changes = rows.rows_[row];
-      const bool starts_inside = IsInside(rule_, rows.starts_[row]);
-      if (changes == 0 || rule_ == InteriorRule::kParity) {
-        rows.rows_[row] = RunningParity(changes) ^ (starts_inside ? From(0) : 0);
-      } else {
-        rows.rows_[row] = SumRow(changes, rows.starts_[row], &rows.turns_[row * kTileSide]);
-      }
-    }
-  }
-
-  // Clears the turns that it reads.
-  uint64_t SumRow(uint64_t changes, int32_t sum, int32_t* turns) const {
-    uint64_t inside = IsInside(rule_, sum) ? From(0) : 0;
-    for (; changes != 0; changes &= changes - 1) {
-      const int k = std::countr_zero(changes);
-      const bool was_inside = IsInside(rule_, sum);
-      sum += turns[k];
-      turns[k] = 0;
-      if (IsInside(rule_, sum) != was_inside) inside ^= From(k);
-    }
-    return inside;
   }
 
   const SnappedMesh& mesh_;

@@ -18,8 +18,10 @@
 #include "core/base/bytes_of.h"
 #include "core/base/stop_signal.h"
 #include "core/brick/brick.h"
+#include "core/brick/label_runs.h"
 #include "core/request/solid.h"
 #include "core/snap/snap.h"
+#include "core/solid/label_sweep.h"
 
 namespace latvox {
 
@@ -29,16 +31,26 @@ class InteriorRows {
   InteriorRows() : rows_(kRows), starts_(kRows) {}
 
   std::span<const uint64_t> view() const { return rows_; }
-  size_t Bytes() const { return BytesOf(rows_) + BytesOf(starts_) + BytesOf(turns_); }
+  // For a labeled solid: the labels of the same points. The caller may take them.
+  LabelRuns& labels() { return labels_; }
+  size_t Bytes() const {
+    return BytesOf(rows_) + BytesOf(starts_) + BytesOf(turns_) + BytesOf(labels_.starts) + BytesOf(labels_.runs) +
+           BytesOf(of_points_) + sweep_.Bytes();
+  }
 
  private:
-  friend class ClosedInterior;
+  friend class ClosedRows;
   friend class OpenInterior;
+  friend class ClosedLabeledInterior;
+  friend class OpenLabeledInterior;
   static constexpr size_t kRows = size_t{kTileSide} * kTileSide;
 
   std::vector<uint64_t> rows_;
   std::vector<int32_t> starts_;  // sums at k = 0
   std::vector<int32_t> turns_;   // unless kParity: the change of its row's sum at each point; otherwise all 0
+  LabelRuns labels_;
+  LabelSweep sweep_;
+  std::vector<uint32_t> of_points_;  // for many labels in a tile: the label of each point, row by row
 };
 
 class Interior {

@@ -174,13 +174,19 @@ double VisitsOfThinning(double found, double most, const Needles& needles, const
   return kVisitsPerVoxel * share * share * found + kVisitsAlongNeedle * needles.length;
 }
 
+// Points inside of a label need no search if the label is all that they carry.
+bool IsLabelAlone(const VoxelRequest& request) {
+  return request.solid() != nullptr && request.solid()->labels && request.fields.size() == 1;
+}
+
 // The search for the nearest triangles: an index of all triangles, and a walk through it for each voxel. Voxels far
 // from the mesh have many triangles at nearly the same distance.
 double VisitsOfFields(const TriangleMesh& mesh, double voxels, const VoxelRequest& request) {
   constexpr double kPerTriangle = 20, kPerVoxel = 100, kPerSolidVoxel = 1000;  // at 15 ns; in a band at 100 ns
   const bool is_band = request.band() != nullptr;
   if (request.fields.empty() || (is_band && request.fields == FieldList{Field::kDistance})) return 0;
-  const double per_voxel = request.solid() != nullptr ? kPerSolidVoxel : kPerVoxel;
+  const bool is_far = request.solid() != nullptr && !IsLabelAlone(request);
+  const double per_voxel = is_far ? kPerSolidVoxel : kPerVoxel;
   return kPerTriangle * static_cast<double>(mesh.triangles.size()) + per_voxel * voxels;
 }
 
@@ -255,6 +261,10 @@ double EstimateVisits(const TriangleMesh& mesh, const MeshExtent& extent, const 
   visits = VisitsOfPart(visits, most, grid, request);
   if (request.is_supercover()) visits += kVisitsPerTriangle * static_cast<double>(mesh.triangles.size());
   if (request.fields.empty()) return visits;
+  if (IsLabelAlone(request)) {
+    if (!request.has_surface()) return visits;
+    return visits + VisitsOfFields(mesh, Delivered(found, grid, request), request);
+  }
   return visits + VisitsOfFields(mesh, EstimateVoxels(mesh, extent, grid, request, stop), request);
 }
 

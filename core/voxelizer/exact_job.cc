@@ -73,8 +73,11 @@ absl::Status ExactJob::Prepare() {
     return stop_.Stopped() ? absl::CancelledError("voxelization cancelled") : absl::OkStatus();
   }
   JobFacts& facts = plan_->facts;
-  auto interior = MakeInterior(plan_->input.mesh, *plan_->solid, facts.closed, plan_->input.region, stop_.Signal(),
-                               facts.interior_rule, facts.unbalanced_lines);
+  const SnappedMesh& mesh = plan_->input.mesh;
+  auto interior = plan_->labels ? MakeLabeledInterior(mesh, *plan_->labels, *plan_->solid, plan_->input.region,
+                                                      stop_.Signal(), facts.interior_rule, facts.unbalanced_lines)
+                                : MakeInterior(mesh, *plan_->solid, facts.closed, plan_->input.region, stop_.Signal(),
+                                               facts.interior_rule, facts.unbalanced_lines);
   if (!interior.ok()) return interior.status();
   interior_ = *std::move(interior);
   units_.AddInterior(*interior_);

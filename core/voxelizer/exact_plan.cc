@@ -65,6 +65,13 @@ absl::StatusOr<std::unique_ptr<ExactPlan>> MakeExactPlan(ExactInput asked, const
   if (input.fields && input.fields->is_searched) {
     plan->index = std::make_unique<const TriangleIndex>(input.mesh, input.fields->metric, creation);
   }
+  if (plan->solid && plan->solid->labels) {
+    const FieldPlan& fields = *input.fields;
+    auto labels =
+        MakeLabels(input.mesh, *plan->solid, fields.of_vertices, fields.of_mesh.size(), *fields.label_place, creation);
+    if (!labels.ok()) return labels.status();
+    plan->labels = *std::move(labels);
+  }
   plan->shard = request.part.shard.value_or(Shard{});
   plan->span = SpanOf(request.part, input.mesh, input.frames, input.region, input.bounds, creation);
   if (creation.Stopped()) return absl::CancelledError("voxelization cancelled");

@@ -19,6 +19,7 @@
 #include "core/lattice/frame.h"
 #include "core/request/solid.h"
 #include "core/snap/snap.h"
+#include "core/solid/labels.h"
 #include "core/supercover/supercover.h"
 #include "core/tile/tile_links.h"
 #include "core/voxelizer/voxelizer.h"
@@ -47,6 +48,7 @@ struct ExactPlan {
   ExactInput input;
   std::vector<ScanFrame> scan_frames;
   std::optional<Solid> solid;
+  std::optional<Labels> labels;               // of a labeled solid
   bool minimal = false;                       // whether to thin
   Vec3i reach{};                              // see TileContext
   Vec3i near_margin{}, far_margin{};          // of the tree, see TileTree
@@ -68,7 +70,8 @@ struct ExactPlan {
 
 // For a fine mesh, one pass finds the facts and the crossings of tiny triangles.
 //   creation   stops this function, not the job
-// Errors: INVALID_ARGUMENT if distances are signed, the set is no solid, and the mesh is not closed; CANCELLED.
+// Errors: INVALID_ARGUMENT if distances are signed, the set is no solid, and the mesh is not closed; those of
+// MakeLabels; CANCELLED.
 absl::StatusOr<std::unique_ptr<ExactPlan>> MakeExactPlan(ExactInput input, const VoxelRequest& request,
                                                          StopSignal creation);
 

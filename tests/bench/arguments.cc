@@ -23,7 +23,7 @@ const std::map<std::string, NamedLattice>& Lattices() {
 // Options whose type differs from that of their value in Arguments.
 struct Words {
   std::string algorithm = "exact", simd = "best", peer, set, rule = "parity";
-  bool minimal = true;
+  bool minimal = true, labels = false;
   std::vector<std::string> fields;
   std::vector<int32_t> region;
   std::vector<double> bounds;
@@ -62,6 +62,7 @@ void Declare(CLI::App& app, Arguments& arguments, Words& words) {
       ->check(CLI::Range(uint32_t{2}, kMaxResolution));
   app.add_option("--subdivide", arguments.subdivide, "how often each triangle is divided into four")
       ->check(CLI::Range(0, 8));
+  app.add_option("--copies", arguments.copies, "copies of the mesh, each a part")->check(CLI::Range(1, 1000));
   CLI::Option* lattice = app.add_option("--lattice", arguments.lattice)->check(CLI::IsMember(Lattices()));
   app.add_option("--basis", arguments.basis, "three basis vectors")->delimiter(',')->expected(9)->excludes(lattice);
   app.add_option("--separability", options.separability)->check(CLI::Range(0, 2));
@@ -75,6 +76,7 @@ void Declare(CLI::App& app, Arguments& arguments, Words& words) {
   app.add_option("--algorithm", words.algorithm)->check(OneOf(kAlgorithms));
   app.add_option("--set", words.set)->check(CLI::IsMember({"surface", "supercover", "solid", "interior"}));
   app.add_option("--rule", words.rule, "which points are inside a solid")->check(CLI::IsMember({"parity", "winding"}));
+  app.add_flag("--labels", words.labels, "make a solid of each part, and let voxels carry the part");
   app.add_option("--fields", words.fields, "what voxels carry; default: distance for a band, otherwise nothing")
       ->delimiter(',')
       ->check(CLI::IsMember(FieldNames()));
@@ -115,6 +117,12 @@ absl::StatusOr<Arguments> ParseArguments(std::vector<std::string> words) {
   options.set = SetOf(named);
   for (const std::string& name : named.fields) {
     options.fields.Add(std::ranges::find(kFields, name, &FieldFacts::name)->field);
+  }
+  if (named.labels) {
+    Solid* const solid = std::get_if<Solid>(&options.set);
+    if (solid == nullptr) return absl::InvalidArgumentError("--labels: needs --set solid or interior");
+    solid->labels = Field::kPart;
+    if (!options.fields.Contains(Field::kPart)) options.fields.Add(Field::kPart);
   }
   if (named.band > 0 && named.fields.empty()) options.fields = {Field::kDistance};
   arguments.simd = *SimdNamed(named.simd);

@@ -15,8 +15,9 @@ namespace latvox {
 inline constexpr int kMaxThreads = 1024;
 
 struct Arguments {
-  std::string mesh;   // see MeshNamed
-  int subdivide = 0;  // how often each triangle is divided into four
+  std::string mesh;     // see MeshNamed
+  int subdivide = 0;    // how often each triangle is divided into four
+  uint32_t copies = 1;  // of the mesh, each with a part number of its own; see Copied
   uint32_t resolution = 0;
   std::string lattice = "cartesian";
   std::vector<double> basis;  // empty or nine numbers, instead of `lattice`

@@ -80,6 +80,12 @@ class Bench(unittest.TestCase):
         self.assertGreater(solid, inside)
         self.assertLess(solid, inside + surface)
 
+    def test_each_copy_of_a_labeled_solid_is_a_solid(self):
+        words = ("box", "64", "--set", "interior", "--copies", "3")
+        united, labeled = measured(*words, "--rule", "winding"), measured(*words, "--labels")
+        self.assertEqual((labeled["voxels"], labeled["digest"]), (united["voxels"], united["digest"]))
+        self.assertGreater(labeled["voxels"], measured(*words)["voxels"])
+
     def test_peers(self):
         self.assertEqual(measured("box", "32", "--peer", "openvdb")["simd"], "openvdb")
         self.assertNotEqual(

@@ -25,7 +25,7 @@ absl::StatusOr<TriangleMesh> MeshOf(const Arguments& arguments) {
   auto mesh = MeshNamed(arguments.mesh);
   if (!mesh.ok()) return mesh.status();
   if (auto status = CheckMesh(*mesh); !status.ok()) return status;
-  return Subdivided(*std::move(mesh), arguments.subdivide);
+  return Copied(Subdivided(*std::move(mesh), arguments.subdivide), arguments.copies);
 }
 
 int Fail(int exit_status, const absl::Status& status) {
@@ -69,7 +69,7 @@ class Lines {
   }
 
   absl::Status Fetch(const Arguments& arguments) {
-    const std::string name = absl::StrCat(arguments.mesh, " ", arguments.subdivide);
+    const std::string name = absl::StrCat(arguments.mesh, " ", arguments.subdivide, " ", arguments.copies);
     if (name == name_) return absl::OkStatus();
     name_.clear();
     mesh_ = {};

@@ -149,7 +149,8 @@ absl::StatusOr<Measurement> Measure(const Arguments& arguments, TriangleMesh& me
   const uint32_t numbers = arguments.request.fields.OfMesh().size();
   mesh.attributes.clear();
   for (size_t n = 0; n < mesh.vertex_count() * numbers; ++n) {
-    mesh.attributes.push_back(static_cast<uint32_t>(n / 4096));  // large parts
+    const size_t per_part = arguments.copies > 1 ? mesh.vertex_count() * numbers / arguments.copies : 4096;
+    mesh.attributes.push_back(static_cast<uint32_t>(n / per_part));
   }
   oneapi::tbb::task_arena arena(arguments.threads);
   auto measured = arena.execute([&]() -> absl::StatusOr<Measurement> {

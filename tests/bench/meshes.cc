@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <type_traits>
 #include <utility>
 
 #include "absl/container/flat_hash_map.h"
@@ -13,6 +14,7 @@
 #include "client/mesh_files/input.h"
 #include "client/mesh_files/mesh_file.h"
 #include "client/mesh_files/mesh_format.h"
+#include "core/snap/mesh_range.h"
 #include "server/decode/draco_decoder.h"
 #include "tests/bench/scene_file.h"
 
@@ -157,6 +159,29 @@ TriangleMesh Subdivided(TriangleMesh mesh, int times) {
       quarters.insert(quarters.end(), {{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}});
     }
     mesh.triangles = std::move(quarters);
+  }
+  return mesh;
+}
+
+TriangleMesh Copied(TriangleMesh mesh, uint32_t count) {
+  const auto vertices = static_cast<uint32_t>(mesh.vertex_count());
+  const size_t triangles = mesh.triangles.size();
+  const Bounds bounds = BoundsOf(mesh);
+  const auto step = (bounds.max[0] - bounds.min[0]) / 2;
+  for (uint32_t copy = 1; copy < count; ++copy) {
+    const auto add = [&](auto& all) {
+      for (size_t v = 0; v < vertices && !all.empty(); ++v) {
+        auto moved = all[v];
+        moved[0] += static_cast<std::remove_cvref_t<decltype(moved[0])>>(copy * step);
+        all.push_back(moved);
+      }
+    };
+    add(mesh.vertices);
+    add(mesh.double_vertices);
+    for (size_t t = 0; t < triangles; ++t) {
+      const auto [a, b, c] = mesh.triangles[t];
+      mesh.triangles.push_back({a + copy * vertices, b + copy * vertices, c + copy * vertices});
+    }
   }
   return mesh;
 }

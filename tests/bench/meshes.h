@@ -2,6 +2,7 @@
 #ifndef LATVOX_TESTS_BENCH_MESHES_H_
 #define LATVOX_TESTS_BENCH_MESHES_H_
 
+#include <cstdint>
 #include <string>
 
 #include "absl/status/statusor.h"
@@ -18,6 +19,9 @@ absl::StatusOr<TriangleMesh> MeshNamed(const std::string& name);
 
 // Divides each triangle into four at the midpoints of its edges, `times` times. Vertices stay shared.
 TriangleMesh Subdivided(TriangleMesh mesh, int times);
+
+// The mesh and count - 1 copies of it, each moved along x by half of the mesh's length there. Copies overlap.
+TriangleMesh Copied(TriangleMesh mesh, uint32_t count);
 
 }  // namespace latvox
 

@@ -8,6 +8,7 @@
 #include <random>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "core/voxelizer/voxelizer.h"
@@ -20,12 +21,17 @@ struct JobKind {
   VoxelizeOptions options;
   NamedLattice lattice = NamedLattice::kCartesian;
 
-  // Makes a job of a mesh; its vertices get numbers if the kind has fields of the mesh.
+  // Makes a job of a mesh; its vertices get numbers if the kind has fields of the mesh. Those of a labeled solid that
+  // must be closed are the same for the four corners of a tetrahedron.
   std::unique_ptr<VoxelizeJob> Job(TriangleMesh mesh) const {
     for (size_t n = 0; n < mesh.vertices.size() * options.fields.OfMesh().size(); ++n) {
-      mesh.attributes.push_back(static_cast<uint32_t>(n % 7));
+      mesh.attributes.push_back(static_cast<uint32_t>(HasClosedLabels() ? n / 4 % 7 : n % 7));
     }
     return *VoxelizeJob::Create(std::move(mesh), {Lattice::Named(lattice), {0, 0, 0}}, options);
+  }
+  bool HasClosedLabels() const {
+    const Solid* const solid = std::get_if<Solid>(&options.set);
+    return solid != nullptr && solid->labels && !solid->force_open;
   }
 };
 
@@ -41,6 +47,10 @@ inline std::vector<JobKind> JobKinds() {
           {"fields of the mesh", 8000, {.fields = {Field::kPart, Field::kMaterial}}},
           {"fields", 6000, {.fields = {Field::kTriangle, Field::kPoint, Field::kNormal}}},
           {"solid with fields", 4000, {.set = Solid{}, .fields = {Field::kPart, Field::kDistance}}},
+          {"labeled solid", 30000, {.set = Solid{.labels = Field::kPart}, .fields = {Field::kPart}}},
+          {"open labeled solid",
+           30000,
+           {.set = Solid{.force_open = true, .labels = Field::kPart}, .fields = {Field::kPart}}},
           {"supercover", 28000, {.set = SupercoverSurface{}}},
           {"brute force", 1500, {.algorithm = Algorithm::kBruteForce}},
           {"incremental", 10000, {.algorithm = Algorithm::kIncremental}},

@@ -54,6 +54,24 @@ TEST(Rules, NameFieldValueAndLimitOfAValue) {
             (Words{"signed_distance true: needs distance among fields", "signed_distance", "true", ""}));
 }
 
+TEST(Rules, OfLabelsAskForTheirFieldAndForEachLabelOnce) {
+  using Words = std::vector<std::string>;
+  const auto refusal = [](std::optional<Field> labels, std::vector<uint32_t> priority) {
+    return RefusalOf(
+        {.set = Solid{.labels = labels, .priority = std::move(priority)}, .fields = {Field::kPart, Field::kColor}});
+  };
+  EXPECT_EQ(refusal(Field::kColor, {}),
+            (Words{"solid.labels color is neither part nor material", "solid.labels", "color", ""}));
+  EXPECT_EQ(refusal(Field::kMaterial, {}),
+            (Words{"solid.labels material: needs material among fields", "solid.labels", "material", ""}));
+  EXPECT_EQ(refusal(std::nullopt, {1}), (Words{"solid.priority: needs solid.labels", "solid.priority", "", ""}));
+  EXPECT_EQ(refusal(Field::kPart, {4, 1, 4}), (Words{"solid.priority 4 occurs twice", "solid.priority", "4", ""}));
+  EXPECT_EQ(refusal(Field::kPart, {0x80000000}),
+            (Words{"solid.priority 2147483648 exceeds 2147483647", "solid.priority", "2147483648", "2147483647"}));
+  EXPECT_EQ(refusal(Field::kPart, std::vector<uint32_t>(kMaxLabels + 1)),
+            (Words{"solid.priority: 65537 labels exceed 65536", "solid.priority", "65537", "65536"}));
+}
+
 TEST(Rules, SayWhichTwoOptionsDoNotGoTogether) {
   using Words = std::vector<std::string>;
   EXPECT_EQ(RefusalOf({.minimal = true, .set = SupercoverSurface{}}),

@@ -1,0 +1,83 @@
+#include "core/solid/labels.h"
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+#include <string>
+#include <utility>
+
+#include "absl/container/flat_hash_map.h"
+#include "absl/strings/str_cat.h"
+#include "core/base/status_payload.h"
+#include "core/brick/label_runs.h"
+
+namespace latvox {
+namespace {
+
+static_assert(kMaxLabels - 1 <= std::numeric_limits<uint16_t>::max());
+
+absl::Status TooMany(Field field) {
+  const std::string name = NameOf(field), limit = absl::StrCat(kMaxLabels);
+  return WithField(
+      absl::ResourceExhaustedError(absl::StrCat("solid.labels ", name, ": the mesh has more than ", limit, " labels")),
+      "solid.labels", name, limit);
+}
+
+// Sorts labels by priority; the ranks of the labels as they stood before.
+std::vector<uint16_t> Rank(std::span<const uint32_t> priority, std::vector<uint32_t>& numbers) {
+  absl::flat_hash_map<uint32_t, size_t> places;
+  for (size_t n = 0; n < priority.size(); ++n) places[priority[n]] = n;
+  const auto place_of = [&](uint32_t number) {
+    const auto found = places.find(number);
+    return std::pair(found == places.end() ? priority.size() : found->second, ~number);
+  };
+  std::vector<uint16_t> order(numbers.size()), ranks(numbers.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::ranges::sort(order, {}, [&](uint16_t n) { return place_of(numbers[n]); });
+  std::vector<uint32_t> sorted;
+  for (const uint16_t n : order) {
+    ranks[n] = static_cast<uint16_t>(sorted.size());
+    sorted.push_back(numbers[n]);
+  }
+  numbers = std::move(sorted);
+  return ranks;
+}
+
+}  // namespace
+
+absl::StatusOr<Labels> MakeLabels(const SnappedMesh& mesh, const Solid& solid, std::span<const uint32_t> of_vertices,
+                                  size_t stride, size_t place, StopSignal stop) {
+  Labels labels{*solid.labels, {}, {}};
+  labels.of_triangles.reserve(mesh.triangles.size());
+  absl::flat_hash_map<uint32_t, uint16_t> places;  // in labels.numbers
+  uint32_t last = kNoLabel;                        // triangles of a label mostly follow each other
+  for (size_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (stop.Stopped()) return labels;
+    const auto& [a, b, c] = mesh.triangles[t];
+    const auto number = [&](uint32_t vertex) { return of_vertices[vertex * stride + place]; };
+    const uint32_t label = std::min({number(a), number(b), number(c)});
+    if (label == last) {
+      labels.of_triangles.push_back(labels.of_triangles.back());
+      continue;
+    }
+    last = label;
+    const auto [found, is_new] = places.try_emplace(label, static_cast<uint16_t>(places.size()));
+    if (is_new) labels.numbers.push_back(label);
+    if (labels.numbers.size() > kMaxLabels) return TooMany(labels.field);
+    labels.of_triangles.push_back(found->second);
+  }
+  const std::vector<uint16_t> ranks = Rank(solid.priority, labels.numbers);
+  for (uint16_t& rank : labels.of_triangles) rank = ranks[rank];
+  return labels;
+}
+
+Labels::Groups Labels::ByRank() const {
+  Groups groups{std::vector<uint32_t>(of_triangles.size()), std::vector<size_t>(numbers.size() + 1)};
+  for (const uint16_t rank : of_triangles) ++groups.begins[rank + size_t{1}];
+  std::partial_sum(groups.begins.begin(), groups.begins.end(), groups.begins.begin());
+  std::vector<size_t> next(groups.begins.begin(), groups.begins.end() - 1);
+  for (uint32_t t = 0; t < of_triangles.size(); ++t) groups.order[next[of_triangles[t]]++] = t;
+  return groups;
+}
+
+}  // namespace latvox
