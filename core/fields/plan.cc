@@ -29,7 +29,7 @@ double LengthOf(const Vec3d& v) { return std::sqrt(Dot(v, v)); }
 // mesh. It reaches no farther than half the diagonal of a box with sides as long as the basis vectors, because the
 // nearest plane method finds a lattice point within that distance of any point.
 double FarthestVoxel(const VoxelRequest& request, const Lattice& lattice) {
-  if (request.band() != nullptr || request.solid() != nullptr) return std::numeric_limits<double>::infinity();
+  if (request.band() != nullptr || request.is_filled()) return std::numeric_limits<double>::infinity();
   const Mat3d& basis = lattice.basis();
   if (request.is_supercover()) return LengthOf({LengthOf(basis[0]), LengthOf(basis[1]), LengthOf(basis[2])}) / 2;
   double longest = 0;

@@ -18,6 +18,7 @@
 #include "core/base/bytes_of.h"
 #include "core/base/stop_signal.h"
 #include "core/brick/brick.h"
+#include "core/brick/filled_tiles.h"
 #include "core/request/solid.h"
 #include "core/snap/snap.h"
 
@@ -41,14 +42,8 @@ class InteriorRows {
   std::vector<int32_t> turns_;   // unless kParity: the change of its row's sum at each point; otherwise all 0
 };
 
-class Interior {
+class Interior : public FilledTiles {
  public:
-  virtual ~Interior() = default;
-
-  // Returns whether a cube of 2^level tiles a side that no triangle meets may have points of the region inside;
-  // tile_ijk is its lowest tile, local.
-  virtual bool MayHold(const Vec3i& tile_ijk, int level) const = 0;
-
   // Finds the points of a tile (local) that meets the region. Rows for points outside of the region are meaningless.
   //   triangles   all that meet the box around its lattice points; more do no harm
   virtual void Find(const Vec3i& tile_ijk, std::span<const uint32_t> triangles, InteriorRows& rows) const = 0;
