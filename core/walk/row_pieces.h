@@ -46,16 +46,18 @@ class RowPieces {
   // Returns the piece of a free point.
   uint32_t PieceAt(size_t row, int32_t bit) const;
 
-  size_t Bytes() const { return BytesOf(runs_) + BytesOf(starts_) + BytesOf(parents_); }
+  size_t Bytes() const { return BytesOf(runs_) + BytesOf(starts_) + BytesOf(parents_) + BytesOf(repeats_); }
 
  private:
   uint32_t Root(uint32_t run);
   void Unite(uint32_t a, uint32_t b);
+  void ListRuns(std::span<const WideRow> free, size_t rows_per_plane, const RowSteps& steps);
   void UniteRows(size_t row, size_t other, const RowStep& step);
 
   std::vector<FreeRun> runs_;
   std::vector<uint32_t> starts_{0};  // of rows among the runs, and the end
   std::vector<uint32_t> parents_;    // of runs: the root of a piece is its first run
+  std::vector<uint8_t> repeats_;     // rows equal to the row before them in their plane, with runs that are united
   uint32_t count_ = 0;
 };
 

@@ -1,17 +1,8 @@
 #include "core/walk/tile_pieces.h"
 
 #include <algorithm>
-#include <bit>
 
 namespace latvox {
-namespace {
-
-int32_t CountBits(WideRow row) {
-  return std::popcount(static_cast<uint64_t>(row)) + std::popcount(static_cast<uint64_t>(row >> 64));
-}
-
-}  // namespace
-
 void PieceScan::FindOnly(const WalkSteps& steps, const HaloBox& box, std::span<const WideRow> walls) {
   const WideRow all = FirstBits(box.side[2]);
   free_.resize(walls.size());
@@ -32,7 +23,6 @@ TilePieces PieceScan::Find(const WalkSteps& steps, const HaloBox& box, std::span
   const size_t first = out.numbers_.size();
   out.numbers_.resize(first + 2 * size_t{pieces_.count()});
   out.numbers_.shrink_to_fit();
-  const WideRow own = FirstBits(kTileSide) << box.halo[2];
   for (int32_t i = 0; i < box.side[0]; ++i) {
     for (int32_t j = 0; j < box.side[1]; ++j) {
       const Vec3i at = box.low + Vec3i{i, j, 0};
@@ -42,8 +32,9 @@ TilePieces PieceScan::Find(const WalkSteps& steps, const HaloBox& box, std::span
       for (const FreeRun& run : pieces_.RunsOf(box.RowOf(i, j))) {
         uint32_t* const of_piece = &out.numbers_[first + 2 * size_t{run.piece}];
         if (row_in_tile) {
-          const WideRow points = FirstBits(run.last + 1) & ~FirstBits(run.first) & own;
-          of_piece[0] += static_cast<uint32_t>(CountBits(points));
+          const int32_t begin = std::max(run.first, box.halo[2]),
+                        last = std::min(run.last, box.halo[2] + kTileSide - 1);
+          of_piece[0] += static_cast<uint32_t>(std::max(last - begin + 1, 0));
         }
         if (!row_in_box || at[2] + run.first < mesh_box.min[2] || at[2] + run.last >= mesh_box.max[2]) of_piece[1] = 1;
       }
