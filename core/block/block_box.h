@@ -18,18 +18,19 @@
 namespace latvox {
 
 struct BlockBox {
-  IndexBox block{}, box{};  // the node's voxels; the same with the halo
+  IndexBox block{}, wanted{}, box{};  // the node's voxels; with the context's overlap; also with the halo
   BitsLayout layout{{}, {}};
   std::array<int32_t, kMaxDirections> steps{};  // of layout, along the frames
 
   BlockBox() = default;
-  // The box of `halo` steps around the node.
+  // The box of `halo` steps around the node and its overlap.
   BlockBox(const TileContext& context, const TileNode& node, int32_t halo) {
     const Vec3i low = node.tile_ijk * kTileSide;
     const int32_t side = kTileSide << node.level;
     block = {low, low + Vec3i{side, side, side}};
-    box = {block.min - context.reach * halo, block.max + context.reach * halo};
-    layout = BitsLayout(low, context.reach * (halo + 1), side);
+    wanted = {block.min - context.overlap, block.max + context.overlap};
+    box = {wanted.min - context.reach * halo, wanted.max + context.reach * halo};
+    layout = BitsLayout(low, context.overlap + context.reach * (halo + 1), side);
     for (size_t n = 0; n < context.frames.size(); ++n) steps[n] = layout.StepOf(context.frames[n].frame.q);
   }
 

@@ -45,11 +45,11 @@ bool Thinner::Decide(const TileContext& context, const ScannedSurface& scanned) 
   const BlockBox& where = scanned.voxels.where();
   const IndexBox known = where.Shrunk(context.reach * 2);
   TileBits& surface = scanned.voxels.bits();
-  bool decided = latvox::Thin(where.layout, doubtful, undecided_, links_, known, where.block, surface, context.stop);
+  bool decided = latvox::Thin(where.layout, doubtful, undecided_, links_, known, where.wanted, surface, context.stop);
   if (!decided) {
     AddBorder(context, scanned.voxels, doubtful);
     Ask(context, scanned);
-    decided = latvox::Thin(where.layout, doubtful, undecided_, links_, where.box, where.block, surface, context.stop);
+    decided = latvox::Thin(where.layout, doubtful, undecided_, links_, where.box, where.wanted, surface, context.stop);
   }
   for (const uint32_t voxel : list_) undecided_.Clear(voxel);
   return decided;

@@ -30,10 +30,11 @@ struct TileContext {
   const UninitializedVector<uint8_t>& is_tiny;
   IndexBox region;  // local voxels outside are not delivered
   StopSignal stop;
+  Vec3i overlap{};  // voxels around a block, per axis, that its scan decides as well
 
   // The distance from a tile, per axis in voxels, within which triangles may matter to it: at first, and in any case.
-  Vec3i NearMargin() const { return reach * (minimal ? kNearHalo + 1 : 1); }
-  Vec3i FarMargin() const { return reach * (minimal ? kThinHalo + 1 : 1); }
+  Vec3i NearMargin() const { return reach * (minimal ? kNearHalo + 1 : 1) + overlap; }
+  Vec3i FarMargin() const { return reach * (minimal ? kThinHalo + 1 : 1) + overlap; }
 };
 
 }  // namespace latvox

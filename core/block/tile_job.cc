@@ -15,8 +15,6 @@ Vec3i ReachOf(const std::vector<Frame>& frames) {
   return reach;
 }
 
-namespace {
-
 // Nearly all blocks can be thinned with kNearHalo steps around them. The rest are done again with the whole halo.
 void FindSurface(const TileContext& context, const TileNode& node, BlockScan& scan) {
   const int32_t halo = context.minimal ? kNearHalo : 0;
@@ -28,8 +26,6 @@ void FindSurface(const TileContext& context, const TileNode& node, BlockScan& sc
     scan.thinner.Thin(context, scan.surface.Scan(context, node, kThinHalo, all));
   }
 }
-
-}  // namespace
 
 void DigitizeBlock(const TileContext& context, const TileNode& node, const Interior* interior, bool surface,
                    BlockScan& scan, std::vector<TileBricks>& tiles) {

@@ -26,6 +26,9 @@ struct BlockScan {
   size_t Bytes() const { return surface.Bytes() + thinner.Bytes() + solid.Bytes(); }
 };
 
+// Finds the surface's voxels in the node and its overlap, as scan.surface.voxels().
+void FindSurface(const TileContext& context, const TileNode& node, BlockScan& scan);
+
 // Appends the node's tiles that have voxels, in global coordinates and in the canonical order. Once the job is
 // cancelled, the tiles are incomplete.
 //   node       of a tree with the context's margins

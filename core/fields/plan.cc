@@ -37,7 +37,7 @@ double LengthOf(const Vec3d& v) { return std::sqrt(Dot(v, v)); }
 // supercover's voxel meets the mesh. It reaches no farther than half the diagonal of a box with sides as long as the
 // basis vectors, because the nearest plane method finds a lattice point within that distance of any point.
 double FarthestVoxel(const VoxelRequest& request, const Lattice& lattice, bool is_label_alone) {
-  const bool has_inside = request.solid() != nullptr && !is_label_alone;
+  const bool has_inside = request.is_filled() && !is_label_alone;
   if (request.band() != nullptr || has_inside) return std::numeric_limits<double>::infinity();
   const Mat3d& basis = lattice.basis();
   if (request.is_supercover()) return LengthOf({LengthOf(basis[0]), LengthOf(basis[1]), LengthOf(basis[2])}) / 2;

@@ -28,4 +28,10 @@ std::optional<Breach> FindNotPositive(std::string_view field, double x) {
   return Breach{name, absl::StrCat(name, " ", x, " is not a finite number above 0"), absl::StrCat(x), "0"};
 }
 
+std::optional<Breach> FindNegative(std::string_view field, double x) {
+  if (std::isfinite(x) && x >= 0) return std::nullopt;
+  const std::string name{field};
+  return Breach{name, absl::StrCat(name, " ", x, " is not a finite number from 0 on"), absl::StrCat(x), "0"};
+}
+
 }  // namespace latvox

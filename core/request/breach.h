@@ -25,6 +25,7 @@ absl::Status ToStatus(const Breach& breach);
 // Breaches of rules that several fields share; nullopt: none.
 std::optional<Breach> FindNotFinite(std::string_view field, const Vec3d& v);
 std::optional<Breach> FindNotPositive(std::string_view field, double x);
+std::optional<Breach> FindNegative(std::string_view field, double x);  // or not finite
 
 }  // namespace latvox
 

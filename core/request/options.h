@@ -14,6 +14,7 @@
 #include "core/request/band.h"
 #include "core/request/fields.h"
 #include "core/request/solid.h"
+#include "core/request/walk.h"
 
 namespace latvox {
 
@@ -31,7 +32,7 @@ struct SeparatingSurface {};
 struct SupercoverSurface {};
 
 // A new set is one more struct here.
-using SetOption = std::variant<SeparatingSurface, SupercoverSurface, Solid, Band>;
+using SetOption = std::variant<SeparatingSurface, SupercoverSurface, Solid, Band, Enclosed, Connected>;
 
 struct VoxelizeOptions {
   int64_t separability = 0;                          // k: 0, 1 or 2

@@ -27,8 +27,16 @@ SurfaceSet SurfaceOf(const VoxelizeOptions& options) {
 
 PointSet SetOf(const VoxelizeOptions& options) {
   if (const Band* band = std::get_if<Band>(&options.set)) return BandSet{*band};
-  if (const Solid* solid = std::get_if<Solid>(&options.set)) return SolidSet{*solid, SurfaceOf(options)};
-  return SurfaceOf(options);
+  const SurfaceSet surface = SurfaceOf(options);
+  if (const auto* enclosed = std::get_if<Enclosed>(&options.set)) {
+    return WalkSet{std::nullopt, enclosed->leak_from, enclosed->close, false, enclosed->surface != SolidSurface::kNone,
+                   surface};
+  }
+  if (const auto* connected = std::get_if<Connected>(&options.set)) {
+    return WalkSet{connected->seed, std::nullopt, connected->close, connected->allow_outside, false, surface};
+  }
+  if (const Solid* solid = std::get_if<Solid>(&options.set)) return SolidSet{*solid, surface};
+  return surface;
 }
 
 }  // namespace
@@ -43,7 +51,10 @@ const Band* VoxelRequest::band() const {
   return band != nullptr ? &band->band : nullptr;
 }
 
+const WalkSet* VoxelRequest::walk() const { return std::get_if<WalkSet>(&set); }
+
 const SurfaceSet* VoxelRequest::surface() const {
+  if (walk() != nullptr) return &walk()->surface;
   if (const auto* solid = std::get_if<SolidSet>(&set)) return &solid->surface;
   return std::get_if<SurfaceSet>(&set);
 }
@@ -55,11 +66,15 @@ bool VoxelRequest::is_supercover() const { return surface() != nullptr && surfac
 bool VoxelRequest::is_minimal() const { return surface() != nullptr && surface()->minimal; }
 
 bool VoxelRequest::has_surface() const {
+  if (walk() != nullptr) return walk()->with_surface;
   return surface() != nullptr && (solid() == nullptr || solid()->surface != SolidSurface::kNone);
 }
 
 std::string_view NameOfSet(const VoxelRequest& request) {
   if (request.band() != nullptr) return "band";
+  if (const WalkSet* walk = request.walk()) {
+    return walk->seed ? "region" : walk->with_surface ? "enclosed" : "enclosed-interior";
+  }
   if (request.solid() == nullptr) return request.is_supercover() ? "supercover" : "surface";
   return !request.has_surface() ? "interior" : request.is_supercover() ? "supercover-solid" : "solid";
 }

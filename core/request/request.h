@@ -36,8 +36,17 @@ struct BandSet {
   Band band;
 };
 
+// The lattice points that a walk reaches, or does not reach: see core/request/walk.h.
+struct WalkSet {
+  std::optional<Vec3d> seed;  // the set is what a walk from here reaches; otherwise what none from outside does
+  std::optional<Vec3d> leak_from;
+  double close = 0;
+  bool allow_outside = false, with_surface = false;
+  SurfaceSet surface;  // which the walk does not enter
+};
+
 // A new set is one more struct here.
-using PointSet = std::variant<SurfaceSet, SolidSet, BandSet>;
+using PointSet = std::variant<SurfaceSet, SolidSet, BandSet, WalkSet>;
 
 // The parts of the whole that a request keeps. They are exactly as in the whole.
 struct Part {
@@ -58,7 +67,8 @@ struct VoxelRequest {
   // Null if the request asks for another set.
   const Solid* solid() const;
   const Band* band() const;
-  // The surface that is digitized, alone or as part of a solid; null for a band.
+  const WalkSet* walk() const;
+  // The surface that is digitized, alone or for a solid or a walk; null for a band.
   const SurfaceSet* surface() const;
 
   // kExact for a band.
@@ -68,9 +78,12 @@ struct VoxelRequest {
   bool is_minimal() const;
   // Whether voxels of the surface belong to the set.
   bool has_surface() const;
+  // Whether the set fills space: a solid, or one that a walk decides.
+  bool is_filled() const { return solid() != nullptr || walk() != nullptr; }
 };
 
-// "surface", "supercover", "solid", "supercover-solid", "interior" or "band".
+// "surface", "supercover", "solid", "supercover-solid", "interior", "band", "enclosed", "enclosed-interior" or
+// "region".
 std::string_view NameOfSet(const VoxelRequest& request);
 
 // Judges options by all rules that need no mesh: see core/request/rules.h. Errors: INVALID_ARGUMENT with the field, the

@@ -62,6 +62,23 @@ Found CheckBand(const VoxelizeOptions& options) {
   return FindNotPositive(band->in_voxels ? "band.voxels" : "band.width", band->width);
 }
 
+Found CheckEnclosed(const VoxelizeOptions& options) {
+  const auto* const enclosed = std::get_if<Enclosed>(&options.set);
+  if (enclosed == nullptr) return std::nullopt;
+  if (enclosed->surface == SolidSurface::kSupercover) {
+    return Breach{"enclosed.surface", "enclosed.surface supercover: is not separating or none", "supercover"};
+  }
+  if (Found breach = FindNegative("enclosed.close", enclosed->close)) return breach;
+  return enclosed->leak_from ? FindNotFinite("enclosed.leak_from", *enclosed->leak_from) : std::nullopt;
+}
+
+Found CheckConnected(const VoxelizeOptions& options) {
+  const auto* const connected = std::get_if<Connected>(&options.set);
+  if (connected == nullptr) return std::nullopt;
+  if (Found breach = FindNotFinite("connected.seed", connected->seed)) return breach;
+  return FindNegative("connected.close", connected->close);
+}
+
 Found CheckSignedDistance(const VoxelizeOptions& options) {
   if (!options.signed_distance || options.fields.Contains(Field::kDistance)) return std::nullopt;
   return Breach{"signed_distance", "signed_distance true: needs distance among fields", "true"};
@@ -107,6 +124,8 @@ constexpr std::array kValueRules{
     ValueRule{"bounds", CheckBounds},
     ValueRule{"shard", CheckShard},
     ValueRule{"band", CheckBand},
+    ValueRule{"enclosed", CheckEnclosed},
+    ValueRule{"connected", CheckConnected},
     ValueRule{"signed_distance", CheckSignedDistance},
     ValueRule{"solid.labels", CheckLabels},
     ValueRule{"solid.priority", CheckPriority},
@@ -143,6 +162,8 @@ constexpr std::array kOptions{
            [](const O& o) { return SurfaceOfSolid(o) == SolidSurface::kNone; },
            [](const O&) -> std::string { return "none"; }},
     Option{"band", "band", "`band`", [](const O& o) { return Is<Band>(o); }, None},
+    Option{"enclosed", "enclosed", "`enclosed`", [](const O& o) { return Is<Enclosed>(o); }, None},
+    Option{"connected", "connected", "`connected`", [](const O& o) { return Is<Connected>(o); }, None},
     Option{"fields", "fields", "`fields`", [](const O& o) { return !o.fields.empty(); }, None},
     Option{"region", "region", "`region`", [](const O& o) { return o.region.has_value(); }, None},
     Option{"bounds", "bounds", "`bounds`", [](const O& o) { return o.bounds.has_value(); }, None},
@@ -167,6 +188,10 @@ constexpr std::array kExclusions{
     Exclusion{"verify", "shard"},
     Exclusion{"verify", "solid"},
     Exclusion{"verify", "band"},
+    Exclusion{"enclosed", "algorithm"},
+    Exclusion{"connected", "algorithm"},
+    Exclusion{"verify", "enclosed"},
+    Exclusion{"verify", "connected"},
 };
 
 constexpr const Option* OptionNamed(std::string_view name) {

@@ -18,6 +18,7 @@
 #include "core/base/bytes_of.h"
 #include "core/base/stop_signal.h"
 #include "core/brick/brick.h"
+#include "core/brick/filled_tiles.h"
 #include "core/brick/label_runs.h"
 #include "core/request/solid.h"
 #include "core/snap/snap.h"
@@ -53,14 +54,8 @@ class InteriorRows {
   std::vector<uint32_t> of_points_;  // for many labels in a tile: the label of each point, row by row
 };
 
-class Interior {
+class Interior : public FilledTiles {
  public:
-  virtual ~Interior() = default;
-
-  // Returns whether a cube of 2^level tiles a side that no triangle meets may have points of the region inside;
-  // tile_ijk is its lowest tile, local.
-  virtual bool MayHold(const Vec3i& tile_ijk, int level) const = 0;
-
   // Finds the points of a tile (local) that meets the region. Rows for points outside of the region are meaningless.
   //   triangles   all that meet the box around its lattice points; more do no harm
   virtual void Find(const Vec3i& tile_ijk, std::span<const uint32_t> triangles, InteriorRows& rows) const = 0;

@@ -185,9 +185,21 @@ double VisitsOfFields(const TriangleMesh& mesh, double voxels, const VoxelReques
   constexpr double kPerTriangle = 20, kPerVoxel = 100, kPerSolidVoxel = 1000;  // at 15 ns; in a band at 100 ns
   const bool is_band = request.band() != nullptr;
   if (request.fields.empty() || (is_band && request.fields == FieldList{Field::kDistance})) return 0;
-  const bool is_far = request.solid() != nullptr && !IsLabelAlone(request);
+  const bool is_far = request.is_filled() && !IsLabelAlone(request);
   const double per_voxel = is_far ? kPerSolidVoxel : kPerVoxel;
   return kPerTriangle * static_cast<double>(mesh.triangles.size()) + per_voxel * voxels;
+}
+
+// Whether the mesh must be closed, so that its area bounds what it encloses.
+bool HasClosedMesh(const VoxelRequest& request) { return request.solid() != nullptr && !request.solid()->force_open; }
+
+// Distances, in each of three scans.
+double VisitsOfClosing(const TriangleMesh& mesh, const WalkSet& walk, double size, StopSignal stop) {
+  constexpr double kScans = 3, kPerDistance = 4;  // at 15 ns; most points are decided by the first triangle
+  if (walk.close == 0) return 0;
+  const double width = walk.close / 2;
+  const double volume = SumOver(mesh, stop, [width](const auto& corners) { return VolumeWithin(corners, width); });
+  return kScans * kPerDistance * volume / (size * size * size);
 }
 
 }  // namespace
@@ -210,10 +222,19 @@ double EstimateVoxels(const TriangleMesh& mesh, const MeshExtent& extent, const 
   const Needles needles = FindNeedles(mesh, extent, size, stop);
   double voxels = EstimateFound(mesh, extent, grid, request, needles, stop);
   if (request.algorithm() != Algorithm::kExact) return voxels;
-  if (request.solid() != nullptr) {
-    voxels += EstimateInterior(extent, size, !request.solid()->force_open);
-  }
+  if (request.is_filled()) voxels += EstimateInterior(extent, size, HasClosedMesh(request));
   return Delivered(voxels, grid, request);
+}
+
+// A plane meets up to three tiles for each of its area, and a mesh bends.
+double EstimateWallTiles(const MeshExtent& extent, const Grid& grid, const VoxelRequest& request) {
+  constexpr double kTilesOfArea = 6, kFewTiles = 64;
+  if (request.walk() == nullptr) return 0;
+  const double side = kTileSide * grid.lattice.voxel_size();
+  double in_box = 1;
+  for (size_t m = 0; m < 3; ++m) in_box *= (extent.bounds.max[m] - extent.bounds.min[m]) / side + 2;
+  const double thickness = 1 + request.walk()->close / side;
+  return std::min(kTilesOfArea * extent.area / (side * side) * thickness + kFewTiles, 2 * in_box * thickness);
 }
 
 // A line along k stands for a cell's volume over its length. Triangles face it in part, at most in full. Slivers meet
@@ -257,8 +278,10 @@ double EstimateVisits(const TriangleMesh& mesh, const MeshExtent& extent, const 
   double visits = found + kVisitsAlongNeedle * needles.length;
   const double most = MostVoxels(extent, grid);
   visits += VisitsOfThinning(found, most, needles, request);
-  if (request.solid() != nullptr) visits += EstimateInterior(extent, size, !request.solid()->force_open);
+  const double of_surface = visits;
+  if (request.is_filled()) visits += EstimateInterior(extent, size, HasClosedMesh(request));
   visits = VisitsOfPart(visits, most, grid, request);
+  if (request.walk() != nullptr) visits += of_surface + VisitsOfClosing(mesh, *request.walk(), size, stop);
   if (request.is_supercover()) visits += kVisitsPerTriangle * static_cast<double>(mesh.triangles.size());
   if (request.fields.empty()) return visits;
   if (IsLabelAlone(request)) {

@@ -39,6 +39,7 @@ double EstimateVoxels(const TriangleMesh& mesh, const MeshExtent& extent, const 
 //   band          the points within its width of each triangle; a shard gets its part
 //   brute force   all points in the boxes around triangles
 //   supercover    its voxels, and for each triangle the number that takes as long as its separating axes
+//   walk          its surface once more, and the distances that `close` asks for, whatever part is delivered
 //   fields        also the points that take as long as the search for each voxel's nearest triangle
 //   others        their voxels, each once for each triangle; for needles the number that takes as long as their rows,
 //                 and, where triangles fill a volume, the number that takes as long as thinning
@@ -46,6 +47,10 @@ double EstimateVoxels(const TriangleMesh& mesh, const MeshExtent& extent, const 
 //   extent   the mesh's
 double EstimateVisits(const TriangleMesh& mesh, const MeshExtent& extent, const Grid& grid, const VoxelRequest& request,
                       StopSignal stop = {});
+
+// Estimates the number of tiles that a walk of the request finds walls in or near, whatever part it delivers; 0 without
+// a walk.
+double EstimateWallTiles(const MeshExtent& extent, const Grid& grid, const VoxelRequest& request);
 
 // Estimates the number of crossings of lattice lines along k with the whole mesh: twice the number for a mesh that
 // faces the lines everywhere, and more for slivers. Takes one pass, as above.

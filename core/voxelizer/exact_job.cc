@@ -16,6 +16,9 @@
 namespace latvox {
 namespace {
 
+// A walk looks at blocks of 2^3 tiles in a cube with more tiles than 2^3 of these, which keep many threads busy.
+constexpr int kLeastLevelOfBlocks = 2;
+
 // The result of one unit, prepared so that the pipeline's last, serial stage has little to do.
 struct FinishedUnit {
   TileNode unit;
@@ -50,6 +53,7 @@ class ExactJob final : public VoxelizeJob {
   }
 
  private:
+  absl::Status PrepareWalk();
   size_t UnitsInFlight() const;
   FinishedUnit Finish(TileNode unit) const;
   bool Deliver(FinishedUnit unit, const Sink& sink);
@@ -61,10 +65,31 @@ class ExactJob final : public VoxelizeJob {
   UnitScheduler units_;
   const UnitScan scan_;
   std::unique_ptr<const Interior> interior_;  // for a solid or signed distances, once prepared
+  std::unique_ptr<const Walk> walk_;          // for a set that a walk decides, once prepared
   JobTotals totals_;
 };
 
+// The walk looks at the whole mesh, whatever part is delivered.
+absl::Status ExactJob::PrepareWalk() {
+  const ExactInput& input = plan_->input;
+  const TileContext context = plan_->Context(stop_.Signal());
+  const int level = TileCubeLevel(input.mesh.box) > kLeastLevelOfBlocks ? 1 : 0;
+  TileTree tree(input.mesh, level, plan_->near_margin, plan_->far_margin, input.mesh.box, stop_.Signal());
+  if (plan_->is_fine) tree.AddLinks(*plan_->links);
+  tree.KeepEmpty();
+  auto walk = Walk::Make(context, *input.walk, tree, units_.kept());
+  if (!walk.ok()) return walk.status();
+  walk_ = *std::move(walk);
+  plan_->facts.walk = walk_->facts();
+  units_.AddFilled(*walk_);
+  return absl::OkStatus();
+}
+
 absl::Status ExactJob::Prepare() {
+  if (plan_->input.walk && !walk_) {
+    const CpuMeter::Scope scope(cpu_);
+    if (absl::Status status = PrepareWalk(); !status.ok()) return status;
+  }
   const auto& fields = plan_->input.fields;
   if (interior_ || (!plan_->solid && !(fields && fields->is_signed))) return absl::OkStatus();
   const CpuMeter::Scope scope(cpu_);
@@ -80,7 +105,7 @@ absl::Status ExactJob::Prepare() {
                                                facts.interior_rule, facts.unbalanced_lines);
   if (!interior.ok()) return interior.status();
   interior_ = *std::move(interior);
-  units_.AddInterior(*interior_);
+  units_.AddFilled(*interior_);
   return absl::OkStatus();
 }
 
@@ -97,7 +122,7 @@ size_t ExactJob::UnitsInFlight() const {
 FinishedUnit ExactJob::Finish(TileNode unit) const {
   const CpuMeter::Scope scope(cpu_);
   FinishedUnit finished{.unit = std::move(unit), .complete = false, .tiles = {}, .totals = {}};
-  finished.tiles = scan_.Scan(finished.unit, interior_.get());
+  finished.tiles = scan_.Scan(finished.unit, interior_.get(), walk_.get());
   finished.complete = !scan_stop_.Stopped();
   if (!finished.complete) return finished;  // voxels may lack fields
   finished.totals.resize(finished.tiles.size());

@@ -20,6 +20,19 @@ void SetMargins(ExactPlan& plan) {
   const TileContext context = plan.Context({});
   plan.near_margin = input.band ? input.band->reach : context.NearMargin();
   plan.far_margin = input.band ? input.band->reach : context.FarMargin();
+  if (!input.walk || !input.walk->close) return;
+  for (size_t m = 0; m < 3; ++m) {
+    const int32_t close = input.walk->close->reach[m] + plan.overlap[m];
+    plan.near_margin[m] = std::max(plan.near_margin[m], close);
+    plan.far_margin[m] = std::max(plan.far_margin[m], close);
+  }
+}
+
+// Voxels around a tile whose links the tile's scan needs.
+Vec3i MarginOfLinks(const ExactPlan& plan) {
+  Vec3i margin = plan.overlap + (plan.minimal ? ReachOf(plan.input.frames) * kNearHalo : Vec3i{});
+  for (int32_t& voxels : margin) voxels = std::min(voxels, kTileSide / 2);
+  return margin;
 }
 
 bool IsSigned(const ExactPlan& plan) { return plan.input.fields && plan.input.fields->is_signed; }
@@ -37,11 +50,13 @@ SurfaceFacts SortOut(ExactPlan& plan, StopSignal creation) {
   const Fineness fineness = may_be_fine ? FinenessOf(input.mesh, plan.scan_frames) : Fineness{};
   if (!fineness.few_touch && !fineness.most_tiny) return FactsOf(input.mesh, creation);
   const Vec3i margin = plan.Context({}).FarMargin();
-  const IndexBox around{input.region.min - margin, input.region.max + margin};
+  const IndexBox around{plan.scanned().min - margin, plan.scanned().max + margin};
   plan.is_fine = true;
   FineTriangles fine = SortOutFine(input.mesh, plan.scan_frames, fineness, around, creation, *plan.links,
                                    NeedsSides(plan) ? &plan.is_tiny : nullptr);
-  if (!NeedsAllTriangles(plan)) plan.kept = std::move(fine.kept);
+  // Without any triangle, the tree would have no tiles, although a walk may reach them.
+  const bool needs_all = NeedsAllTriangles(plan) || (input.walk && fine.kept.empty());
+  if (!needs_all) plan.kept = std::move(fine.kept);
   return fine.facts;
 }
 
@@ -55,8 +70,8 @@ absl::StatusOr<std::unique_ptr<ExactPlan>> MakeExactPlan(ExactInput asked, const
   plan->scan_frames = MakeScanFrames(input.frames);
   if (request.solid() != nullptr) plan->solid = *request.solid();
   plan->minimal = request.is_minimal();
-  plan->links = std::make_unique<TileLinks>(Shifted(input.mesh.box.min, kTileBits),
-                                            plan->minimal ? ReachOf(input.frames) * kNearHalo : Vec3i{});
+  if (input.walk) plan->overlap = input.walk->steps.reach + input.walk->steps.slack;
+  plan->links = std::make_unique<TileLinks>(Shifted(input.mesh.box.min, kTileBits), MarginOfLinks(*plan));
   SetMargins(*plan);
   plan->has_large_tiles = input.band || input.fields;
   const SurfaceFacts surface = SortOut(*plan, creation);

@@ -24,6 +24,7 @@
 #include "core/tile/tile_links.h"
 #include "core/voxelizer/voxelizer.h"
 #include "core/voxelizer/world_box.h"
+#include "core/walk/plan.h"
 
 namespace latvox {
 
@@ -31,9 +32,10 @@ namespace latvox {
 struct ExactInput {
   SnappedMesh mesh;
   std::vector<Frame> frames;  // for the request's separability
-  // The next three are null or nullopt unless the request needs them.
+  // The next four are null or nullopt unless the request needs them.
   std::unique_ptr<const Supercover> supercover;
   std::optional<BandPlan> band;
+  std::optional<WalkPlan> walk;
   std::optional<FieldPlan> fields;
   IndexBox region;                 // local voxels to deliver, within mesh.box
   std::optional<WorldBox> bounds;  // deliver only voxels of `region` within these
@@ -50,7 +52,7 @@ struct ExactPlan {
   std::optional<Solid> solid;
   std::optional<Labels> labels;               // of a labeled solid
   bool minimal = false;                       // whether to thin
-  Vec3i reach{};                              // see TileContext
+  Vec3i reach{}, overlap{};                   // see TileContext
   Vec3i near_margin{}, far_margin{};          // of the tree, see TileTree
   bool has_large_tiles = false;               // of megabytes each
   bool is_fine = false;                       // whether the mesh is fine; the next members belong to a fine mesh
@@ -62,9 +64,13 @@ struct ExactPlan {
   Shard shard;
   TileSpan span;  // the tiles to deliver
 
+  // The local voxels that the job looks at: a walk comes by all.
+  const IndexBox& scanned() const { return input.walk ? input.mesh.box : input.region; }
+
   // Returns the context of the job's blocks, which `job` stops. It refers to this plan.
   TileContext Context(StopSignal job) const {
-    return {input.mesh, scan_frames, input.supercover.get(), reach, minimal, *links, is_tiny, input.region, job};
+    return {input.mesh, scan_frames, input.supercover.get(), reach, minimal,
+            *links,     is_tiny,     input.region,           job,   overlap};
   }
 };
 

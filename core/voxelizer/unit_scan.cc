@@ -28,33 +28,41 @@ UnitScan::UnitScan(const ExactPlan& plan, const UnitScheduler& units, StopSignal
       fields_(plan.input.mesh, plan.input.fields ? &*plan.input.fields : nullptr, plan.index.get(), stop),
       band_(MakeBandContext(plan, stop)) {}
 
-std::vector<TileBricks> UnitScan::Scan(const TileNode& unit, const Interior* interior) const {
+std::vector<TileBricks> UnitScan::Scan(const TileNode& unit, const Interior* interior, const Walk* walk) const {
   std::vector<TileBricks> tiles;
-  Process(unit, interior, tiles);
+  Process(unit, interior, walk, tiles);
   return tiles;
 }
 
-void UnitScan::Process(const TileNode& node, const Interior* interior, std::vector<TileBricks>& out) const {
+void UnitScan::Process(const TileNode& node, const Interior* interior, const Walk* walk,
+                       std::vector<TileBricks>& out) const {
   if (context_.stop.Stopped() || units_.IsLeftOut(node)) return;
   if (!units_.tree().IsLeaf(node)) {
-    for (const TileNode& child : units_.tree().Children(node)) Process(child, interior, out);
+    for (const TileNode& child : units_.tree().Children(node)) Process(child, interior, walk, out);
     return;
   }
   const size_t first = out.size();
-  ScanLeaf(node, interior, out);
+  ScanLeaf(node, interior, walk, out);
   if (plan_.input.bounds) Clip(*plan_.input.bounds, first, out);
   std::erase_if(out, [this](const TileBricks& tile) { return !units_.IsInSpan(tile.tile_ijk); });
   fields_.Add(node.triangles, interior, std::span(out).subspan(first));
 }
 
 // A scan that was stopped in the middle of a block is not used again.
-void UnitScan::ScanLeaf(const TileNode& node, const Interior* interior, std::vector<TileBricks>& out) const {
+void UnitScan::ScanLeaf(const TileNode& node, const Interior* interior, const Walk* walk,
+                        std::vector<TileBricks>& out) const {
   if (band_) {
     std::unique_ptr<BandScan> scan = band_scans_.Reserve();
     TileBricks tile = scan->Scan(*band_, node.tile_ijk, node.triangles);
     if (!context_.stop.Stopped()) band_scans_.Release(std::move(scan));
     tile.progress = std::min(1.0, node.progress + node.share);
     if (!tile.bricks.empty()) out.push_back(std::move(tile));
+    return;
+  }
+  if (walk != nullptr) {
+    std::unique_ptr<WalkScan> scan = walk_scans_.Reserve();
+    walk->FindTiles(context_, node, *scan, out);
+    if (!context_.stop.Stopped()) walk_scans_.Release(std::move(scan));
     return;
   }
   std::unique_ptr<BlockScan> scan = scans_.Reserve();

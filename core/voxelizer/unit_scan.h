@@ -16,6 +16,7 @@
 #include "core/tree/tile_tree.h"
 #include "core/voxelizer/exact_plan.h"
 #include "core/voxelizer/unit_scheduler.h"
+#include "core/walk/walk.h"
 
 namespace latvox {
 
@@ -28,14 +29,15 @@ class UnitScan {
 
   // Returns the unit's tiles that are delivered, in canonical order, in global coordinates.
   //   interior   null, or that of a solid, or that which decides on the signs of distances
-  std::vector<TileBricks> Scan(const TileNode& unit, const Interior* interior) const;
+  //   walk       null unless a walk decides on the set
+  std::vector<TileBricks> Scan(const TileNode& unit, const Interior* interior, const Walk* walk) const;
 
   // Leaves the memory of blocks to later jobs. Precondition: no Scan runs.
   void LeaveMemory() const { scans_.Leave(); }
 
  private:
-  void Process(const TileNode& node, const Interior* interior, std::vector<TileBricks>& out) const;
-  void ScanLeaf(const TileNode& node, const Interior* interior, std::vector<TileBricks>& out) const;
+  void Process(const TileNode& node, const Interior* interior, const Walk* walk, std::vector<TileBricks>& out) const;
+  void ScanLeaf(const TileNode& node, const Interior* interior, const Walk* walk, std::vector<TileBricks>& out) const;
 
   const ExactPlan& plan_;
   const UnitScheduler& units_;
@@ -44,6 +46,7 @@ class UnitScan {
   const std::optional<BandContext> band_;
   mutable ScanPool<BlockScan> scans_;
   mutable ScanPool<BandScan> band_scans_;
+  mutable ScanPool<WalkScan> walk_scans_;
 };
 
 }  // namespace latvox

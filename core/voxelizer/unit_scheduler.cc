@@ -47,15 +47,15 @@ UnitScheduler::UnitScheduler(const ExactPlan& plan, std::optional<std::vector<ui
   if (plan.is_fine) tree_.AddLinks(*plan.links);
 }
 
-void UnitScheduler::AddInterior(const Interior& interior) {
-  interior_ = &interior;
+void UnitScheduler::AddFilled(const FilledTiles& filled) {
+  filled_ = &filled;
   tree_.KeepEmpty();
 }
 
 // A tile has up to kMostBytesOfVoxel * 2^18 bytes of fields.
 bool UnitScheduler::IsUnit(const TileNode& node) const {
   if (plan_.has_large_tiles) return tree_.IsLeaf(node);
-  const int max_level = interior_ != nullptr ? kMaxSolidUnitLevel : kMaxUnitLevel;
+  const int max_level = filled_ != nullptr ? kMaxSolidUnitLevel : kMaxUnitLevel;
   if (!tree_.IsLeaf(node) && (node.level > max_level || node.triangles.size() + node.links > kMaxUnitTriangles)) {
     return false;
   }
@@ -69,7 +69,7 @@ uint64_t UnitScheduler::NumberOf(const Vec3i& tile_ijk) const {
 
 bool UnitScheduler::IsLeftOut(const TileNode& node) const {
   if (node.triangles.empty() && node.links == 0 &&
-      !(interior_ != nullptr && interior_->MayHold(node.tile_ijk, node.level))) {
+      !(filled_ != nullptr && filled_->MayHold(node.tile_ijk, node.level))) {
     return true;
   }
   if (const auto& bounds = plan_.input.bounds) {
@@ -83,8 +83,8 @@ bool UnitScheduler::IsLeftOut(const TileNode& node) const {
 // The pipeline waits for this function. So many threads split large nodes, and many nodes at a time.
 std::optional<TileNode> UnitScheduler::Next() {
   if (!std::exchange(started_, true)) {
-    // A tile of a band has megabytes, and so has one of a solid with fields.
-    const bool has_full_tiles = plan_.input.band || (plan_.solid && plan_.input.fields);
+    // A tile of a band has megabytes, and so has one of a filled set with fields.
+    const bool has_full_tiles = plan_.input.band || ((plan_.solid || plan_.input.walk) && plan_.input.fields);
     if (!has_full_tiles) tree_.SetLeafLevel(BlockLevel(tree_.level()));
     // Isolated, so that the waiting thread does not take up a unit meanwhile.
     oneapi::tbb::this_task_arena::isolate([&] { todo_ = tree_.Top(std::exchange(kept_, std::nullopt)); });

@@ -8,7 +8,7 @@
 
 #include "core/base/stop_signal.h"
 #include "core/brick/brick.h"
-#include "core/solid/interior.h"
+#include "core/brick/filled_tiles.h"
 #include "core/tree/tile_tree.h"
 #include "core/voxelizer/exact_plan.h"
 
@@ -18,7 +18,7 @@ namespace latvox {
 // unit, left out as a whole, or replaced by its children in order. So every tile of the part comes once, whatever the
 // number of threads. The number of threads decides which tiles form a unit, but not their voxels: see ExactPlan.
 //
-// Threads: Next, PutBack and AddInterior, one at a time; the rest, any thread.
+// Threads: Next, PutBack and AddFilled, one at a time; the rest, any thread.
 class UnitScheduler {
  public:
   //   plan   must outlive it
@@ -26,9 +26,9 @@ class UnitScheduler {
   //   job    once stopped, there are no further units
   UnitScheduler(const ExactPlan& plan, std::optional<std::vector<uint32_t>> kept, StopSignal job);
 
-  // Also visits tiles without triangles nearby, from now on, if they may hold points of the interior. Call it before
-  // Next. The interior must outlive this object.
-  void AddInterior(const Interior& interior);
+  // Also visits tiles without triangles nearby, from now on, if they may hold points of the set. Call it before Next.
+  // `filled` must outlive this object.
+  void AddFilled(const FilledTiles& filled);
 
   // The next unit; nullopt if none is left.
   std::optional<TileNode> Next();
@@ -43,6 +43,9 @@ class UnitScheduler {
 
   const TileTree& tree() const { return tree_; }
 
+  // A copy of the triangles that tiles need to know, before Next.
+  const std::optional<std::vector<uint32_t>>& kept() const { return kept_; }
+
  private:
   bool IsUnit(const TileNode& node) const;
   uint64_t NumberOf(const Vec3i& tile_ijk) const;
@@ -53,7 +56,7 @@ class UnitScheduler {
   const Vec3i tile_base_;
   TileTree tree_;
   std::optional<std::vector<uint32_t>> kept_;
-  const Interior* interior_ = nullptr;
+  const FilledTiles* filled_ = nullptr;
   bool started_ = false;
   std::vector<TileNode> todo_;  // once started: the rest of the tree, the next node last
 };

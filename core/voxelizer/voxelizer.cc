@@ -48,6 +48,19 @@ absl::StatusOr<std::optional<BandPlan>> PlanOfBand(const VoxelRequest& request, 
   return MakeBandPlan(*request.band(), lattice);
 }
 
+// Nullopt unless a walk decides on the set.
+absl::StatusOr<std::optional<WalkPlan>> PlanOfWalk(const VoxelRequest& request, const Grid& grid) {
+  if (request.walk() == nullptr) return std::nullopt;
+  return MakeWalkPlan(*request.walk(), grid, grid.lattice.frames(request.separability));
+}
+
+// The box also holds what the walk keeps out of.
+Vec3i ReachOfWalk(const WalkPlan& walk) {
+  Vec3i reach = walk.steps.reach;
+  for (size_t m = 0; walk.close && m < 3; ++m) reach[m] = std::max(reach[m], 2 * walk.close->reach[m]);
+  return reach;
+}
+
 absl::Status CheckFieldsOf(const TriangleMesh& mesh, const FieldList& of_mesh) {
   if (mesh.attributes.size() == mesh.vertex_count() * of_mesh.size()) return absl::OkStatus();
   return absl::InvalidArgumentError(absl::StrCat("fields: the mesh has ", mesh.attributes.size(), " numbers for ",
@@ -81,6 +94,8 @@ absl::StatusOr<std::unique_ptr<VoxelizeJob>> MakeJob(Mesh mesh, const Grid& grid
                                                      StopSignal stop) {
   const absl::StatusOr<std::optional<BandPlan>> band = PlanOfBand(request, grid.lattice);
   if (!band.ok()) return band.status();
+  absl::StatusOr<std::optional<WalkPlan>> walk = PlanOfWalk(request, grid);
+  if (!walk.ok()) return walk.status();
   const FieldList of_mesh = request.fields.OfMesh();
   if (auto status = CheckFieldsOf(MeshOf(mesh), of_mesh); !status.ok() && !of_mesh.empty()) return status;
   auto fields = PlanOfFields(AttributesOf(mesh), grid.lattice, request);
@@ -90,6 +105,7 @@ absl::StatusOr<std::unique_ptr<VoxelizeJob>> MakeJob(Mesh mesh, const Grid& grid
   const std::vector<Frame>& frames = grid.lattice.frames(request.separability);
   const bool exact = request.algorithm() == Algorithm::kExact;
   const Vec3i reach = *band         ? (*band)->reach * 2  // the box covers half a neighbor's step
+                      : *walk       ? ReachOfWalk(**walk)
                       : *supercover ? (*supercover)->Reach()
                       : exact       ? ReachOf(frames)
                                     : ThesisReach(grid.lattice, request.separability, request.algorithm());
@@ -101,10 +117,11 @@ absl::StatusOr<std::unique_ptr<VoxelizeJob>> MakeJob(Mesh mesh, const Grid& grid
   const IndexBox region = RegionOf(*snapped, request.part, bounds);
   if (auto status = CheckResumePoint(request, Moved(region, snapped->base_ijk)); !status.ok()) return status;
   std::unique_ptr<VoxelizeJob> job;
+  if (*walk && (*walk)->start) (*walk)->start = *(*walk)->start - snapped->base_ijk;
   if (exact) {
-    auto plan =
-        MakeExactPlan({*std::move(snapped), frames, *std::move(supercover), *band, *std::move(fields), region, bounds},
-                      request, stop);
+    auto plan = MakeExactPlan({*std::move(snapped), frames, *std::move(supercover), *band, *std::move(walk),
+                               *std::move(fields), region, bounds},
+                              request, stop);
     if (!plan.ok()) return plan.status();
     job = MakeExactJob(*std::move(plan));
   } else {

@@ -16,6 +16,7 @@
 #include "core/request/request.h"
 #include "core/verify/verify.h"
 #include "core/voxelizer/digest.h"
+#include "core/walk/facts.h"
 
 namespace latvox {
 
@@ -30,6 +31,7 @@ struct JobFacts {
   InteriorRule interior_rule = InteriorRule::kAuto;  // for a solid, once prepared: never kAuto
   uint64_t unbalanced_lines = 0;                     // for a solid, once prepared: see CountUnbalancedLines
   double band_width = 0;                             // world units; 0: there is no band
+  std::optional<WalkFacts> walk = std::nullopt;      // for a set that a walk decides, once prepared
 
   // Whether the tile meets index_box.
   bool HasTile(const Vec3i& tile_ijk) const;

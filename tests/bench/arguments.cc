@@ -28,7 +28,8 @@ struct Words {
   std::vector<int32_t> region;
   std::vector<double> bounds;
   std::vector<uint32_t> shard;
-  double band = 0;
+  double band = 0, close = 0;
+  std::vector<double> seed;
   VoxelizeOptions options;
 };
 
@@ -49,6 +50,10 @@ std::vector<std::string> FieldNames() {
 SetOption SetOf(const Words& words) {
   if (words.band > 0) return Band{.width = words.band, .in_voxels = true};
   if (words.set == "supercover") return SupercoverSurface{};
+  if (words.set == "enclosed") return Enclosed{.close = words.close};
+  if (words.set == "region" && words.seed.size() == 3) {
+    return Connected{{words.seed[0], words.seed[1], words.seed[2]}, words.close, true};
+  }
   if (words.set != "solid" && words.set != "interior") return SeparatingSurface{};
   return Solid{.rule = words.rule == "parity" ? InteriorRule::kParity : InteriorRule::kWinding,
                .surface = words.set == "solid" ? SolidSurface::kSeparating : SolidSurface::kNone};
@@ -74,7 +79,11 @@ void Declare(CLI::App& app, Arguments& arguments, Words& words) {
   app.add_option("--shard", words.shard, "I/N: only part I, from 0, of N")->delimiter('/')->expected(2);
   app.add_option("--band", words.band, "a band, this many voxel sizes wide")->check(CLI::PositiveNumber);
   app.add_option("--algorithm", words.algorithm)->check(OneOf(kAlgorithms));
-  app.add_option("--set", words.set)->check(CLI::IsMember({"surface", "supercover", "solid", "interior"}));
+  app.add_option("--set", words.set)
+      ->check(CLI::IsMember({"surface", "supercover", "solid", "interior", "enclosed", "region"}));
+  app.add_option("--close", words.close, "for --set enclosed or region: holes up to this width are closed, world units")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--seed", words.seed, "x,y,z: where --set region begins")->delimiter(',')->expected(3);
   app.add_option("--rule", words.rule, "which points are inside a solid")->check(CLI::IsMember({"parity", "winding"}));
   app.add_flag("--labels", words.labels, "make a solid of each part, and let voxels carry the part");
   app.add_option("--fields", words.fields, "what voxels carry; default: distance for a band, otherwise nothing")
@@ -142,6 +151,12 @@ absl::StatusOr<Arguments> ParseArguments(std::vector<std::string> words) {
   }
   if (!std::holds_alternative<Solid>(options.set) && app.count("--rule") > 0) {
     return absl::InvalidArgumentError("--rule: needs --set solid or interior");
+  }
+  if ((named.set == "region") != !named.seed.empty()) {
+    return absl::InvalidArgumentError("--seed: goes with --set region, and with no other set");
+  }
+  if (named.close > 0 && named.set != "enclosed" && named.set != "region") {
+    return absl::InvalidArgumentError("--close: needs --set enclosed or region");
   }
   if (named.band > 0 && !named.set.empty()) return absl::InvalidArgumentError("--band: is a set, as --set is");
   if (app.count("--minimal") > 0) options.minimal = named.minimal;

@@ -1,0 +1,89 @@
+#include "core/walk/growth.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+
+#include "core/snap/snap.h"
+
+namespace latvox {
+namespace {
+
+constexpr int32_t kMostTilesBeside = (kMaxBandReach + kTileSide - 1) / kTileSide;
+constexpr size_t kMostWords = 2 * kMostTilesBeside + 1;
+
+// The bits of rows of consecutive tiles along k.
+struct LongRow {
+  std::array<uint64_t, kMostWords + 1> words{};
+  size_t size = 0;
+
+  uint64_t WordAt(int32_t bit) const {
+    const auto word = static_cast<size_t>(bit >> kTileBits);
+    const int shift = bit & (kTileSide - 1);
+    return shift == 0 ? words[word] : words[word] >> shift | words[word + 1] << (kTileSide - shift);
+  }
+  // Sets bit b where any of the bits b .. b + count is set.
+  void Widen(int32_t count) {
+    for (int32_t have = 1; have <= count;) {
+      const int32_t more = std::min(have, count + 1 - have);
+      for (size_t n = 0; n < size; ++n) words[n] |= WordAt(static_cast<int32_t>(n) * kTileSide + more);
+      have += more;
+    }
+  }
+};
+
+}  // namespace
+
+Ball::Ball(const BandPlan& length) : reach_(length.reach) {
+  for (int32_t i = -reach_[0]; i <= reach_[0]; ++i) {
+    for (int32_t j = -reach_[1]; j <= reach_[1]; ++j) {
+      Run run{i, j, 0, -1};
+      for (int32_t k = -reach_[2]; k <= reach_[2]; ++k) {  // the ball is convex
+        const Vec3i v = Vec3i{i, j, k} * kLatticeUnit;
+        if (Inner(length.metric, v, v) > length.limit) continue;
+        if (run.low > run.high) run.low = k;
+        run.high = k;
+      }
+      if (run.low <= run.high) runs_.push_back(run);
+    }
+  }
+  std::stable_sort(runs_.begin(), runs_.end(), [](const Run& a, const Run& b) {
+    return std::abs(a.di) + std::abs(a.dj) < std::abs(b.di) + std::abs(b.dj);
+  });
+}
+
+// Near rows come first, because they often fill a row at once.
+void Ball::Grow(const std::function<const TileRows*(const Vec3i& beside)>& set, StopSignal stop, TileRows& rows) const {
+  Vec3i most;
+  for (size_t m = 0; m < 3; ++m) most[m] = (reach_[m] + kTileSide - 1) >> kTileBits;
+  const Vec3i side = most + most + Vec3i{1, 1, 1};
+  std::vector<const TileRows*> around;
+  for (int32_t i = -most[0]; i <= most[0]; ++i) {
+    for (int32_t j = -most[1]; j <= most[1]; ++j) {
+      for (int32_t k = -most[2]; k <= most[2]; ++k) around.push_back(set({i, j, k}));
+    }
+  }
+  if (std::all_of(around.begin(), around.end(), [](const TileRows* one) { return one == nullptr; })) return;
+  LongRow from;
+  from.size = static_cast<size_t>(side[2]);
+  for (int32_t row = 0; row < kTileSide * kTileSide && !stop.Stopped(); ++row) {
+    uint64_t& out = rows[static_cast<size_t>(row)];
+    for (const Run& run : runs_) {
+      if (out == ~uint64_t{0}) break;
+      const int32_t i = (row >> kTileBits) + run.di, j = (row & (kTileSide - 1)) + run.dj;
+      const int32_t first = (((i >> kTileBits) + most[0]) * side[1] + (j >> kTileBits) + most[1]) * side[2];
+      const auto in_tile = static_cast<size_t>((i & (kTileSide - 1)) << kTileBits | (j & (kTileSide - 1)));
+      uint64_t any = 0;
+      from.words = {};
+      for (size_t n = 0; n < from.size; ++n) {
+        const TileRows* const tile = around[static_cast<size_t>(first) + n];
+        if (tile != nullptr) any |= from.words[n] = (*tile)[in_tile];
+      }
+      if (any == 0) continue;
+      from.Widen(run.high - run.low);
+      out |= from.WordAt(most[2] * kTileSide + run.low);
+    }
+  }
+}
+
+}  // namespace latvox

@@ -1,0 +1,36 @@
+// A walk of a request, on a given lattice and mesh.
+#ifndef LATVOX_CORE_WALK_PLAN_H_
+#define LATVOX_CORE_WALK_PLAN_H_
+
+#include <optional>
+
+#include "absl/status/statusor.h"
+#include "core/band/plan.h"
+#include "core/base/vec.h"
+#include "core/lattice/grid.h"
+#include "core/request/request.h"
+#include "core/walk/steps.h"
+
+namespace latvox {
+
+struct WalkPlan {
+  WalkSteps steps;
+  std::optional<BandPlan> close;  // of half the width of holes that count as closed
+  bool from_seed = false;         // the set is what a walk from `start` reaches; otherwise what none from outside does
+  bool allow_outside = false;     // a walk from the seed may get outside
+  bool with_surface = false;      // the set has the surface's points, too
+  std::optional<Vec3i> start;     // local, once the mesh is snapped: the seed, or the point whose leak is asked for
+  Grid grid;                      // for messages and distances
+};
+
+// Returns the lattice point nearest to a world position, the lexicographically first of several, as doubles have it. A
+// point beyond the range of lattice coordinates becomes one far outside.
+Vec3i NearestPoint(const Grid& grid, const Vec3d& world);
+
+// The start is in global coordinates. Errors: INVALID_ARGUMENT as MakeBandPlan, for half of `close`.
+//   frames   of the request's separability
+absl::StatusOr<WalkPlan> MakeWalkPlan(const WalkSet& walk, const Grid& grid, const std::vector<Frame>& frames);
+
+}  // namespace latvox
+
+#endif  // LATVOX_CORE_WALK_PLAN_H_

@@ -1,0 +1,66 @@
+// The connected pieces of a box of lattice points, by runs of its rows.
+#ifndef LATVOX_CORE_WALK_ROW_PIECES_H_
+#define LATVOX_CORE_WALK_ROW_PIECES_H_
+
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/base/bytes_of.h"
+#include "core/walk/steps.h"
+
+namespace latvox {
+
+// Points of a row, one bit each. A tile's row with its halo has more than 64.
+using WideRow = unsigned __int128;
+
+// The bits 0 .. count - 1. Precondition: 0 <= count < 128.
+constexpr WideRow FirstBits(int32_t count) { return (WideRow{1} << count) - 1; }
+
+// Returns the position of the lowest bit. Precondition: row != 0.
+constexpr int32_t LowestBit(WideRow row) {
+  const auto low = static_cast<uint64_t>(row);
+  return low != 0 ? std::countr_zero(low) : 64 + std::countr_zero(static_cast<uint64_t>(row >> 64));
+}
+
+// Consecutive free points of a row.
+struct FreeRun {
+  int32_t first, last;
+  uint32_t piece;
+};
+
+// Pieces are numbered in the order of their first runs. Rows are those of one plane after the other. Reuses its memory.
+class RowPieces {
+ public:
+  //   free   rows_per_plane rows for each plane; bits of points that a walk may enter
+  void Find(std::span<const WideRow> free, int32_t rows_per_plane, const RowSteps& steps);
+
+  uint32_t count() const { return count_; }
+  size_t rows() const { return starts_.size() - 1; }
+  // The runs of a row, ascending; single points if no step leads along rows.
+  std::span<const FreeRun> RunsOf(size_t row) const {
+    return {runs_.data() + starts_[row], runs_.data() + starts_[row + 1]};
+  }
+  // Returns the piece of a free point.
+  uint32_t PieceAt(size_t row, int32_t bit) const;
+
+  size_t Bytes() const { return BytesOf(runs_) + BytesOf(starts_) + BytesOf(parents_) + BytesOf(repeats_); }
+
+ private:
+  uint32_t Root(uint32_t run);
+  void Unite(uint32_t a, uint32_t b);
+  void ListRuns(std::span<const WideRow> free, size_t rows_per_plane, const RowSteps& steps);
+  void UniteRows(size_t row, size_t other, const RowStep& step);
+
+  std::vector<FreeRun> runs_;
+  std::vector<uint32_t> starts_{0};  // of rows among the runs, and the end
+  std::vector<uint32_t> parents_;    // of runs: the root of a piece is its first run
+  std::vector<uint8_t> repeats_;     // rows equal to the row before them in their plane, with runs that are united
+  uint32_t count_ = 0;
+};
+
+}  // namespace latvox
+
+#endif  // LATVOX_CORE_WALK_ROW_PIECES_H_

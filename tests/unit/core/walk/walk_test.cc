@@ -1,0 +1,474 @@
+// Sets that a walk decides equal a flood fill, point by point.
+#include <gtest/gtest.h>
+
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/voxelizer/voxelizer.h"
+#include "tests/unit/core/exact.h"
+#include "tests/unit/core/sphere.h"
+
+namespace latvox {
+namespace {
+
+using oracle::Int3;
+using Points = std::set<Int3>;
+
+Int3 Plus(const Int3& a, const Int3& b, int64_t times = 1) {
+  return {a[0] + times * b[0], a[1] + times * b[1], a[2] + times * b[2]};
+}
+
+// The points of a box, by brute force.
+class Flood {
+ public:
+  // All points beyond the box are outside.
+  Flood(const oracle::Box& box, const std::vector<Int3>& directions) : box_(box), directions_(directions) {}
+
+  // Each point of the box: whether it is a wall, or was reached.
+  using Marks = std::vector<uint8_t>;
+  Marks MarksOf(const Points& points) const {
+    Marks marks(Size());
+    for (const Int3& z : points) {
+      if (box_.Contains(z)) marks[NumberOf(z)] = 1;
+    }
+    return marks;
+  }
+  Points Unmarked(const Marks& marks) const {
+    Points points;
+    for (size_t n = 0; n < marks.size(); ++n) {
+      if (marks[n] == 0) points.insert(PointAt(n));
+    }
+    return points;
+  }
+
+  // The points that a walk reaches from outside, or from a seed.
+  Marks FromOutside(const Marks& walls) const {
+    Marks reached(Size());
+    std::vector<Int3> todo;
+    for (size_t n = 0; n < walls.size(); ++n) {
+      const Int3 z = PointAt(n);
+      bool is_border = false;
+      for (const Int3& q : directions_) is_border |= !box_.Contains(Plus(z, q)) || !box_.Contains(Plus(z, q, -1));
+      if (!is_border || walls[n] != 0) continue;
+      reached[n] = 1;
+      todo.push_back(z);
+    }
+    Spread(walls, reached, std::move(todo));
+    return reached;
+  }
+  Marks FromSeed(const Marks& walls, const Int3& seed) const {
+    Marks reached(Size());
+    reached[NumberOf(seed)] = 1;
+    Spread(walls, reached, {seed});
+    return reached;
+  }
+
+  // The sizes of the connected parts of the points that are no walls and not reached, descending.
+  std::vector<uint64_t> Cavities(const Marks& walls, Marks seen) const {
+    std::vector<uint64_t> sizes;
+    for (size_t n = 0; n < seen.size(); ++n) {
+      if (walls[n] != 0 || seen[n] != 0) continue;
+      const Marks part = FromSeed(walls, PointAt(n));
+      uint64_t size = 0;
+      for (size_t m = 0; m < seen.size(); ++m) {
+        seen[m] |= part[m];
+        size += part[m];
+      }
+      sizes.push_back(size);
+    }
+    std::sort(sizes.rbegin(), sizes.rend());
+    return sizes;
+  }
+
+  // Marks the points that no wall holds and that lie within the distance of a reached point.
+  Marks Grown(const Marks& walls, const Marks& reached, const Mat3d& basis, double distance) const {
+    const int64_t most = 12;
+    std::vector<Int3> ball;
+    for (int64_t i = -most; i <= most; ++i) {
+      for (int64_t j = -most; j <= most; ++j) {
+        for (int64_t k = -most; k <= most; ++k) {
+          const Vec3d v = Apply(basis, Vec3d{static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)});
+          if (Dot(v, v) <= distance * distance) ball.push_back({i, j, k});
+        }
+      }
+    }
+    Marks grown = reached;
+    for (size_t n = 0; n < walls.size(); ++n) {
+      if (walls[n] != 0 || reached[n] != 0) continue;
+      const Int3 z = PointAt(n);
+      for (const Int3& v : ball) {
+        const Int3 other = Plus(z, v);
+        if (!box_.Contains(other) || reached[NumberOf(other)] != 0) grown[n] = 1;
+      }
+    }
+    return grown;
+  }
+
+  size_t NumberOf(const Int3& z) const {
+    return static_cast<size_t>(((z[0] - box_.lo[0]) * Side(1) + z[1] - box_.lo[1]) * Side(2) + z[2] - box_.lo[2]);
+  }
+
+ private:
+  int64_t Side(size_t m) const { return box_.hi[m] - box_.lo[m] + 1; }
+  size_t Size() const { return static_cast<size_t>(Side(0) * Side(1) * Side(2)); }
+  Int3 PointAt(size_t number) const {
+    const auto n = static_cast<int64_t>(number);
+    return Plus(box_.lo, {n / (Side(1) * Side(2)), n / Side(2) % Side(1), n % Side(2)});
+  }
+  void Spread(const Marks& walls, Marks& reached, std::vector<Int3> todo) const {
+    while (!todo.empty()) {
+      const Int3 z = todo.back();
+      todo.pop_back();
+      for (const Int3& q : directions_) {
+        for (const int64_t sign : {-1, 1}) {
+          const Int3 next = Plus(z, q, sign);
+          if (!box_.Contains(next)) continue;
+          const size_t n = NumberOf(next);
+          if (walls[n] != 0 || reached[n] != 0) continue;
+          reached[n] = 1;
+          todo.push_back(next);
+        }
+      }
+    }
+  }
+
+  const oracle::Box box_;
+  const std::vector<Int3> directions_;
+};
+
+Points Without(const Points& a, const Points& b) {
+  Points out;
+  std::set_difference(a.begin(), a.end(), b.begin(), b.end(), std::inserter(out, out.end()));
+  return out;
+}
+
+oracle::Box BoxOf(const oracle::Mesh& mesh, int64_t margin) {
+  oracle::Box box{{INT64_MAX, INT64_MAX, INT64_MAX}, {INT64_MIN, INT64_MIN, INT64_MIN}};
+  for (const oracle::Triangle& triangle : mesh) {
+    for (const Int3& v : triangle) {
+      for (size_t m = 0; m < 3; ++m) {
+        box.lo[m] = std::min(box.lo[m], (v[m] >> 8) - margin);
+        box.hi[m] = std::max(box.hi[m], (v[m] >> 8) + 1 + margin);
+      }
+    }
+  }
+  return box;
+}
+
+Points SurfaceOf(const TriangleMesh& mesh, const Lattice& lattice, int64_t k, bool minimal, const Vec3i& shift) {
+  return VoxelsOf(Voxelize(mesh, Unscaled(lattice), {.separability = k, .minimal = minimal}), shift);
+}
+
+oracle::Mesh Box(const Int3& low, const Int3& high) {
+  const auto corner = [&](int n) {
+    return Int3{(n & 4) != 0 ? high[0] : low[0], (n & 2) != 0 ? high[1] : low[1], (n & 1) != 0 ? high[2] : low[2]};
+  };
+  oracle::Mesh mesh;
+  for (const auto& [a, b, c, d] : {std::array{0, 2, 6, 4}, std::array{1, 5, 7, 3}, std::array{0, 4, 5, 1},
+                                   std::array{2, 3, 7, 6}, std::array{0, 1, 3, 2}, std::array{4, 6, 7, 5}}) {
+    mesh.push_back({corner(a), corner(b), corner(c)});
+    mesh.push_back({corner(a), corner(c), corner(d)});
+  }
+  return mesh;
+}
+
+struct Case {
+  ExactLattice lattice;
+  int64_t k;
+  size_t number = 0;
+};
+
+std::vector<Case> Cases() {
+  std::vector<Case> cases;
+  for (const ExactLattice& lattice : ExactLattices()) {
+    for (const int64_t k : {0, 1, 2}) cases.push_back({lattice, k});
+  }
+  // Their basis vectors along j or along k are no steps.
+  const Mat3d skewed_j{{{1, 0, 0}, {2, 1, 0}, {0, 0, 1}}}, skewed_k{{{1, 0, 0}, {0, 1, 0}, {0, 2, 1}}};
+  cases.push_back({{"skewed_j", Lattice::FromBasis(skewed_j).value()}, 2});
+  cases.push_back({{"skewed_k", Lattice::FromBasis(skewed_k).value()}, 2});
+  for (size_t n = 0; n < cases.size(); ++n) cases[n].number = n;
+  return cases;
+}
+
+class WalkOnLattice : public testing::TestWithParam<Case> {};
+
+INSTANTIATE_TEST_SUITE_P(Exact, WalkOnLattice, testing::ValuesIn(Cases()),
+                         [](const auto& test) { return test.param.lattice.name + "_" + std::to_string(test.param.k); });
+
+// In one tile, over the corner of eight tiles, and at negative coordinates.
+constexpr Vec3i kShifts[] = {{8, 8, 8}, {60, 59, 61}, {-68, 1022, -1}};
+
+// Each case takes some of the meshes, and together they take all several times.
+TEST_P(WalkOnLattice, EqualsAFloodOfAdversarialMeshes) {
+  constexpr size_t kCasesForAll = 9;
+  const Lattice& lattice = GetParam().lattice.lattice;
+  const int64_t k = GetParam().k;
+  const std::vector<Int3> directions = Directions(lattice.frames(static_cast<int>(k)));
+  size_t index = GetParam().number, count = 0, more_than_walls = 0;
+  for (const oracle::NamedMesh& named : oracle::AdversarialMeshes(5, directions)) {
+    if (named.box || ++index % kCasesForAll != 0) continue;
+    const Flood flood(BoxOf(named.triangles, 9), directions);
+    const Vec3i shift = kShifts[count++ % 3];
+    const bool minimal = count % 2 == 0;
+    const TriangleMesh mesh = ToWorld(named.triangles, lattice, shift);
+    const Points walls = SurfaceOf(mesh, lattice, k, minimal, shift);
+    const Points enclosed = flood.Unmarked(flood.FromOutside(flood.MarksOf(walls)));
+    for (const SolidSurface surface : {SolidSurface::kSeparating, SolidSurface::kNone}) {
+      const Points expected = surface == SolidSurface::kNone ? Without(enclosed, walls) : enclosed;
+      const Result result = Voxelize(mesh, Unscaled(lattice),
+                                     {.separability = k, .minimal = minimal, .set = Enclosed{.surface = surface}},
+                                     count % 4 == 0 ? 2 : 1);
+      ASSERT_EQ(VoxelsOf(result, shift), expected) << named.name << " " << count;
+    }
+    if (enclosed.size() > walls.size()) ++more_than_walls;
+  }
+  EXPECT_GT(count, 3U);
+  EXPECT_GT(more_than_walls, 0U);
+}
+
+struct Answer {
+  absl::Status status;
+  Points points;
+  std::optional<WalkFacts> facts;
+  IndexBox box;
+};
+
+Answer AnswerTo(const TriangleMesh& mesh, const Lattice& lattice, const VoxelizeOptions& options, const Vec3i& shift) {
+  Answer answer;
+  auto job = VoxelizeJob::Create(mesh, Unscaled(lattice), options);
+  answer.status = job.status();
+  if (!job.ok()) return answer;
+  answer.status = (*job)
+                      ->Advance([&](TileBricks&& tile) {
+                        for (const Brick& brick : tile.bricks) AddVoxels(brick, shift, answer.points);
+                        return true;
+                      })
+                      .status();
+  answer.facts = (*job)->facts().walk;
+  answer.box = (*job)->facts().index_box.value_or(IndexBox{});
+  return answer;
+}
+
+Vec3d WorldOf(const Lattice& lattice, const Vec3i& ijk) { return Apply(lattice.basis(), ToDouble(ijk)); }
+
+void Append(oracle::Mesh& mesh, const oracle::Mesh& more) { mesh.insert(mesh.end(), more.begin(), more.end()); }
+
+// A room of 12 steps a side with an inner wall and a shell in it; the wall leaves a channel one step wide.
+oracle::Mesh Rooms() {
+  oracle::Mesh mesh = Box({100, 110, 120}, {3100, 3110, 3120});
+  Append(mesh, Box({1500, 100, 100}, {1620, 2700, 3150}));
+  Append(mesh, Box({2000, 500, 500}, {2800, 1300, 1300}));
+  return mesh;
+}
+
+// The room without one of its outer triangles.
+oracle::Mesh OpenRooms() {
+  oracle::Mesh mesh = Rooms();
+  mesh.erase(mesh.begin());
+  return mesh;
+}
+
+TEST_P(WalkOnLattice, FindsRegionsAndCavities) {
+  const Lattice& lattice = GetParam().lattice.lattice;
+  const int64_t k = GetParam().k;
+  const std::vector<Int3> directions = Directions(lattice.frames(static_cast<int>(k)));
+  const Vec3i shift = kShifts[1], seed{4, 4, 4}, far{-3, 2, 2};
+  for (const bool is_open : {false, true}) {
+    const oracle::Mesh rooms = is_open ? OpenRooms() : Rooms();
+    const TriangleMesh mesh = ToWorld(rooms, lattice, shift);
+    const Flood flood(BoxOf(rooms, 9), directions);
+    const Flood::Marks walls = flood.MarksOf(SurfaceOf(mesh, lattice, k, true, shift));
+    const Flood::Marks outside = flood.FromOutside(walls);
+    const bool leaks = outside[flood.NumberOf(ToOracle(seed))] != 0;
+    const Answer enclosed = AnswerTo(mesh, lattice, {.separability = k, .set = Enclosed{}}, shift);
+    ASSERT_TRUE(enclosed.status.ok()) << enclosed.status;
+    EXPECT_EQ(enclosed.points, flood.Unmarked(outside));
+    const std::vector<uint64_t> cavities = flood.Cavities(walls, outside);
+    EXPECT_EQ(enclosed.facts->cavities, cavities.size());
+    EXPECT_EQ(enclosed.facts->largest, cavities);
+    const Connected from_seed{.seed = WorldOf(lattice, seed + shift), .close = 0, .allow_outside = false};
+    const Answer region = AnswerTo(mesh, lattice, {.separability = k, .set = from_seed}, shift);
+    EXPECT_EQ(region.status.ok(), !leaks) << region.status;
+    if (!leaks) {
+      Flood::Marks others = flood.FromSeed(walls, ToOracle(seed));
+      for (uint8_t& mark : others) mark ^= 1;
+      EXPECT_EQ(region.points, flood.Unmarked(others));
+      EXPECT_FALSE(region.points.empty());
+    }
+    // From outside, the region is the rest of the box.
+    const Connected from_outside{.seed = WorldOf(lattice, far + shift), .close = 0, .allow_outside = true};
+    const Answer rest = AnswerTo(mesh, lattice, {.separability = k, .set = from_outside}, shift);
+    ASSERT_TRUE(rest.status.ok()) << rest.status;
+    Points expected = flood.Unmarked(flood.MarksOf(flood.Unmarked(outside)));
+    std::erase_if(expected, [&](const Int3& z) {
+      return !rest.box.Contains(
+          Vec3i{static_cast<int32_t>(z[0]), static_cast<int32_t>(z[1]), static_cast<int32_t>(z[2])} + shift);
+    });
+    EXPECT_EQ(rest.points, expected);
+  }
+}
+
+TEST_P(WalkOnLattice, ClosesHoles) {
+  const Lattice& lattice = GetParam().lattice.lattice;
+  const int64_t k = GetParam().k;
+  const std::vector<Int3> directions = Directions(lattice.frames(static_cast<int>(k)));
+  const Vec3i shift = kShifts[GetParam().number % 3];
+  // An opening about three steps wide, from one side of the box to the other.
+  oracle::Mesh box = Box({130, 110, 120}, {2600, 2610, 2620});
+  box.erase(box.begin());
+  box[0] = {Int3{130, 110, 120}, Int3{2600, 2610, 120}, Int3{130, 1900, 120}};
+  const double shortest = lattice.voxel_size();
+  const TriangleMesh mesh = ToWorld(box, lattice, shift);
+  const Flood flood(BoxOf(box, 12), directions);
+  const Points surface = SurfaceOf(mesh, lattice, k, true, shift);
+  const Flood::Marks walls = flood.MarksOf(surface);
+  for (const double close : {1.237 * shortest, 4.119 * shortest}) {
+    const Points near = VoxelsOf(Voxelize(mesh, Unscaled(lattice), {.set = Band{close / 2, false}}), shift);
+    Flood::Marks thick = walls;
+    for (const Int3& z : near) thick[flood.NumberOf(z)] = 1;
+    const Flood::Marks reached = flood.FromOutside(thick);
+    const Flood::Marks outside = flood.Grown(walls, reached, lattice.basis(), close / 2);
+    const Answer enclosed = AnswerTo(mesh, lattice, {.separability = k, .set = Enclosed{.close = close}}, shift);
+    ASSERT_TRUE(enclosed.status.ok()) << enclosed.status;
+    EXPECT_EQ(enclosed.points, flood.Unmarked(outside)) << close;
+    EXPECT_EQ(enclosed.facts->cavities, flood.Cavities(thick, reached).size());
+  }
+}
+
+// A box of 8 steps a side. One face has a square hole of the given width, in units, around the line through the middle.
+oracle::Mesh BoxWithHole(int64_t width) {
+  const int64_t low = 100, high = low + 8 * 256, first = low + 1024 - width / 2, last = first + width;
+  oracle::Mesh mesh = Box({low, low, low}, {high, high, high});
+  mesh.erase(mesh.begin(), mesh.begin() + 2);  // the face -k
+  const auto add = [&](int64_t i0, int64_t j0, int64_t i1, int64_t j1) {
+    mesh.push_back({Int3{i0, j0, low}, Int3{i1, j1, low}, Int3{i1, j0, low}});
+    mesh.push_back({Int3{i0, j0, low}, Int3{i0, j1, low}, Int3{i1, j1, low}});
+  };
+  add(low, low, high, first);
+  add(low, last, high, high);
+  add(low, first, first, last);
+  add(last, first, high, last);
+  return mesh;
+}
+
+const Lattice& Cartesian() {
+  static const Lattice lattice = Lattice::Named(NamedLattice::kCartesian);
+  return lattice;
+}
+
+// The line of points through the middle of the hole is 1124 units from 0, between the points 4 and 5.
+TEST(Walk, PassesAHoleOneStepWideAndNoNarrowerOne) {
+  for (const int64_t k : {0, 2}) {
+    const Connected inside{.seed = {4, 4, 4}, .close = 0, .allow_outside = false};
+    for (const auto& [width, leaks] : {std::pair<int64_t, bool>{180, false}, {1600, true}}) {
+      const TriangleMesh mesh = ToWorld(BoxWithHole(width), Cartesian());
+      const Answer region = AnswerTo(mesh, Cartesian(), {.separability = k, .set = inside}, {});
+      EXPECT_EQ(region.status.ok(), !leaks) << region.status;
+      const Answer enclosed = AnswerTo(mesh, Cartesian(), {.separability = k, .set = Enclosed{}}, {});
+      EXPECT_EQ(enclosed.facts->cavities, leaks ? 0U : 1U);
+    }
+  }
+}
+
+TEST(Walk, ExplainsALeak) {
+  const TriangleMesh mesh = ToWorld(BoxWithHole(900), Cartesian(), {70, 70, 70});
+  const Vec3d inside{74, 75, 74};
+  const Answer leaky = AnswerTo(mesh, Cartesian(), {.set = Enclosed{.leak_from = inside}}, {});
+  ASSERT_TRUE(leaky.status.ok() && leaky.facts && leaky.facts->leak) << leaky.status;
+  const Leak& leak = *leaky.facts->leak;
+  ASSERT_EQ(leak.kind, Leak::kFound);
+  EXPECT_EQ(leak.from, (Vec3i{74, 75, 74}));
+  EXPECT_EQ(leak.path.front(), leak.from);
+  EXPECT_EQ(leak.steps + 1, leak.path.size());
+  const Points walls = VoxelsOf(Voxelize(mesh, Unscaled(Cartesian()), {}));
+  for (size_t n = 0; n < leak.path.size(); ++n) {
+    EXPECT_FALSE(walls.contains(ToOracle(leak.path[n])));
+    if (n == 0) continue;
+    const Vec3i step = leak.path[n] - leak.path[n - 1];
+    EXPECT_EQ(std::max({std::abs(step[0]), std::abs(step[1]), std::abs(step[2])}), 1);
+  }
+  // It leads through the middle of the hole, which is at 74.39 along i and j and at 70.39 along k.
+  EXPECT_NEAR(leak.narrowest_world[0], 74.39, 1);
+  EXPECT_NEAR(leak.narrowest_world[1], 74.39, 1);
+  EXPECT_NEAR(leak.narrowest_world[2], 70.39, 1);
+  EXPECT_GT(leak.room, 1);
+  EXPECT_LT(leak.room, 1.77);
+  // Twice that room closes it.
+  const Answer closed = AnswerTo(mesh, Cartesian(), {.set = Enclosed{.close = 3.6, .leak_from = inside}}, {});
+  ASSERT_TRUE(closed.facts && closed.facts->leak);
+  EXPECT_EQ(closed.facts->leak->kind, Leak::kNone);
+  EXPECT_EQ(closed.facts->cavities, 1U);
+  const Connected seed{.seed = inside, .close = 0, .allow_outside = false};
+  const Answer region = AnswerTo(mesh, Cartesian(), {.set = seed}, {});
+  EXPECT_NE(region.status.message().find("through an opening around"), std::string::npos) << region.status;
+}
+
+TEST(Walk, RefusesASeedInTheSurface) {
+  const TriangleMesh mesh = ToWorld(BoxWithHole(2), Cartesian());
+  const Connected at_wall{.seed = {4.1, 4, 0.2}, .close = 0, .allow_outside = false};
+  const Answer answer = AnswerTo(mesh, Cartesian(), {.set = at_wall}, {});
+  EXPECT_EQ(answer.status.message(), "connected.seed: the nearest lattice point, 4,4,0, lies in the surface");
+  const Answer leak = AnswerTo(mesh, Cartesian(), {.set = Enclosed{.leak_from = Vec3d{4.1, 4, 0.2}}}, {});
+  ASSERT_TRUE(leak.facts && leak.facts->leak);
+  EXPECT_EQ(leak.facts->leak->kind, Leak::kInWall);
+}
+
+TEST(Walk, ContainsTheSolidOfAClosedMesh) {
+  const TriangleMesh mesh = Sphere(40, 75);
+  const Points solid = VoxelsOf(Voxelize(mesh, Unscaled(Cartesian()), {.set = Solid{}}));
+  const Points enclosed = VoxelsOf(Voxelize(mesh, Unscaled(Cartesian()), {.set = Enclosed{}}));
+  EXPECT_TRUE(std::includes(enclosed.begin(), enclosed.end(), solid.begin(), solid.end()));
+  EXPECT_EQ(enclosed, solid);  // it has no inner shell
+  oracle::Mesh shells = Box({100, 100, 100}, {3000, 3000, 3000});
+  Append(shells, Box({900, 900, 900}, {2200, 2200, 2200}));
+  const TriangleMesh nested = ToWorld(shells, Cartesian());
+  const Points hollow = VoxelsOf(Voxelize(nested, Unscaled(Cartesian()), {.set = Solid{InteriorRule::kParity}}));
+  const Points filled = VoxelsOf(Voxelize(nested, Unscaled(Cartesian()), {.set = Enclosed{}}));
+  EXPECT_TRUE(std::includes(filled.begin(), filled.end(), hollow.begin(), hollow.end()));
+  EXPECT_TRUE(filled.contains({6, 6, 6}) && !hollow.contains({6, 6, 6}));  // in the inner shell
+}
+
+// Shards, regions and resumed jobs deliver what the whole does, though each looks at the whole mesh.
+TEST(Walk, PartsAreThoseOfTheWhole) {
+  TriangleMesh mesh = Sphere(60, 75);
+  mesh.triangles.erase(mesh.triangles.end() - 41);  // near the pole: a hole that no step fits through
+  for (const double close : {0.0, 3.3}) {
+    const Enclosed set{.close = close};
+    const Result whole = Voxelize(mesh, Unscaled(Cartesian()), {.separability = 2, .set = set});
+    EXPECT_GT(whole.totals.voxels, 1'000'000U);
+    uint64_t voxels = 0;
+    Digest digest;
+    for (uint32_t index = 0; index < 3; ++index) {
+      const Result part =
+          Voxelize(mesh, Unscaled(Cartesian()), {.separability = 2, .shard = Shard{index, 3}, .set = set}, 1);
+      voxels += part.totals.voxels;
+      digest.Add(part.totals.digest);
+    }
+    EXPECT_EQ(voxels, whole.totals.voxels);
+    EXPECT_EQ(digest, whole.totals.digest);
+    const IndexBox box{{-20, 30, -71}, {3, 70, 40}};
+    const Result region = Voxelize(mesh, Unscaled(Cartesian()), {.separability = 2, .region = box, .set = set}, 1);
+    JobTotals expected;
+    for (const TileBricks& tile : whole.tiles) {
+      for (Brick brick : tile.bricks) {
+        ClipBrick(box, brick);
+        if (CountVoxels(brick.mask) == 0) continue;
+        expected.digest.Add(brick);
+        expected.voxels += CountVoxels(brick.mask);
+      }
+    }
+    EXPECT_EQ(region.totals.voxels, expected.voxels);
+    EXPECT_EQ(region.totals.digest, expected.digest);
+    const size_t half = whole.tiles.size() / 2;
+    const Result rest = Voxelize(mesh, Unscaled(Cartesian()),
+                                 {.separability = 2, .resume_after = whole.tiles[half].tile_ijk, .set = set}, 1);
+    EXPECT_EQ(rest.tiles.size(), whole.tiles.size() - half - 1);
+  }
+}
+
+}  // namespace
+}  // namespace latvox
