@@ -14,10 +14,11 @@
 namespace latvox {
 
 struct FieldPlan {
-  FieldList fields;  // at least one
-  bool is_signed;    // distances are negative inside
-  bool has_squares;  // tiles bring the squares of their voxels' distances: those of a band
-  bool is_searched;  // fields need more than these squares
+  FieldList fields;   // at least one
+  FieldList nearest;  // those among them that come from the nearest triangle; the members below are for these
+  bool is_signed;     // distances are negative inside
+  bool has_squares;   // tiles bring the squares of their voxels' distances: those of a band
+  bool is_searched;   // fields need more than these squares
   Metric metric;
   double most_square;                 // of the distance of a voxel, in units; infinite for a set that may be far
   double unit;                        // world length of a unit of the metric

@@ -13,6 +13,7 @@
 #include "core/request/algorithm.h"
 #include "core/request/band.h"
 #include "core/request/fields.h"
+#include "core/request/links.h"
 #include "core/request/solid.h"
 
 namespace latvox {
@@ -31,7 +32,7 @@ struct SeparatingSurface {};
 struct SupercoverSurface {};
 
 // A new set is one more struct here.
-using SetOption = std::variant<SeparatingSurface, SupercoverSurface, Solid, Band>;
+using SetOption = std::variant<SeparatingSurface, SupercoverSurface, Solid, Band, Links>;
 
 struct VoxelizeOptions {
   int64_t separability = 0;                          // k: 0, 1 or 2

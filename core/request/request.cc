@@ -27,6 +27,7 @@ SurfaceSet SurfaceOf(const VoxelizeOptions& options) {
 
 PointSet SetOf(const VoxelizeOptions& options) {
   if (const Band* band = std::get_if<Band>(&options.set)) return BandSet{*band};
+  if (const Links* links = std::get_if<Links>(&options.set)) return LinkSet{*links};
   if (const Solid* solid = std::get_if<Solid>(&options.set)) return SolidSet{*solid, SurfaceOf(options)};
   return SurfaceOf(options);
 }
@@ -41,6 +42,11 @@ const Solid* VoxelRequest::solid() const {
 const Band* VoxelRequest::band() const {
   const auto* band = std::get_if<BandSet>(&set);
   return band != nullptr ? &band->band : nullptr;
+}
+
+const Links* VoxelRequest::links() const {
+  const auto* links = std::get_if<LinkSet>(&set);
+  return links != nullptr ? &links->links : nullptr;
 }
 
 const SurfaceSet* VoxelRequest::surface() const {
@@ -60,6 +66,7 @@ bool VoxelRequest::has_surface() const {
 
 std::string_view NameOfSet(const VoxelRequest& request) {
   if (request.band() != nullptr) return "band";
+  if (request.links() != nullptr) return "links";
   if (request.solid() == nullptr) return request.is_supercover() ? "supercover" : "surface";
   return !request.has_surface() ? "interior" : request.is_supercover() ? "supercover-solid" : "solid";
 }

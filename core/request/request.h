@@ -13,6 +13,7 @@
 #include "core/request/algorithm.h"
 #include "core/request/band.h"
 #include "core/request/fields.h"
+#include "core/request/links.h"
 #include "core/request/options.h"
 #include "core/request/solid.h"
 
@@ -36,8 +37,13 @@ struct BandSet {
   Band band;
 };
 
+// The ends of the links that a mesh crosses.
+struct LinkSet {
+  Links links;
+};
+
 // A new set is one more struct here.
-using PointSet = std::variant<SurfaceSet, SolidSet, BandSet>;
+using PointSet = std::variant<SurfaceSet, SolidSet, BandSet, LinkSet>;
 
 // The parts of the whole that a request keeps. They are exactly as in the whole.
 struct Part {
@@ -58,10 +64,11 @@ struct VoxelRequest {
   // Null if the request asks for another set.
   const Solid* solid() const;
   const Band* band() const;
-  // The surface that is digitized, alone or as part of a solid; null for a band.
+  const Links* links() const;
+  // The surface that is digitized, alone or as part of a solid; null for a band or links.
   const SurfaceSet* surface() const;
 
-  // kExact for a band.
+  // kExact for a band or links.
   Algorithm algorithm() const;
   bool is_supercover() const;
   // Whether the surface is thinned to k-minimality.
@@ -70,7 +77,7 @@ struct VoxelRequest {
   bool has_surface() const;
 };
 
-// "surface", "supercover", "solid", "supercover-solid", "interior" or "band".
+// "surface", "supercover", "solid", "supercover-solid", "interior", "band" or "links".
 std::string_view NameOfSet(const VoxelRequest& request);
 
 // Judges options by all rules that need no mesh: see core/request/rules.h. Errors: INVALID_ARGUMENT with the field, the

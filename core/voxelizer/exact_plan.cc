@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "absl/strings/str_cat.h"
 #include "core/block/solid_tiles.h"
-#include "core/block/tile_job.h"
 #include "core/tiny/fine_pass.h"
 #include "core/tiny/fineness.h"
 #include "core/triangles/surface_facts.h"
@@ -20,15 +20,28 @@ void SetMargins(ExactPlan& plan) {
   const TileContext context = plan.Context({});
   plan.near_margin = input.band ? input.band->reach : context.NearMargin();
   plan.far_margin = input.band ? input.band->reach : context.FarMargin();
+  if (!plan.HasLinkFields()) return;
+  const Vec3i of_links = plan.LinkContext({}).NearMargin();
+  for (size_t m = 0; m < 3; ++m) {
+    plan.near_margin[m] = std::max(plan.near_margin[m], of_links[m]);
+    plan.far_margin[m] = std::max(plan.far_margin[m], of_links[m]);
+  }
 }
 
-bool IsSigned(const ExactPlan& plan) { return plan.input.fields && plan.input.fields->is_signed; }
-
 // Whether tiles need to know on which side of the mesh their voxels are.
-bool NeedsSides(const ExactPlan& plan) { return plan.solid || IsSigned(plan); }
+bool NeedsSides(const ExactPlan& plan) { return plan.solid || plan.NeedsParity(); }
+
+// Whether tiles need to know tiny triangles, although their links are known. A tile of links may hold only farther ends
+// of these, so without the triangles, the tree would leave it out.
+bool NeedsTiny(const ExactPlan& plan) { return NeedsSides(plan) || plan.link_ends || plan.HasLinkFields(); }
 
 // The sides need the crossings of lines along an axis.
 bool NeedsAllTriangles(const ExactPlan& plan) { return NeedsSides(plan) && !HasAxes(plan.input.frames); }
+
+// The distance from a tile within which it needs the links of tiny triangles.
+Vec3i HaloOfLinks(const ExactPlan& plan) {
+  return ReachOf(plan.input.frames) * (plan.minimal ? kNearHalo : plan.link_ends ? 1 : 0);
+}
 
 // Finds the links of tiny triangles, the remaining triangles, and the mesh's facts.
 SurfaceFacts SortOut(ExactPlan& plan, StopSignal creation) {
@@ -40,7 +53,7 @@ SurfaceFacts SortOut(ExactPlan& plan, StopSignal creation) {
   const IndexBox around{input.region.min - margin, input.region.max + margin};
   plan.is_fine = true;
   FineTriangles fine = SortOutFine(input.mesh, plan.scan_frames, fineness, around, creation, *plan.links,
-                                   NeedsSides(plan) ? &plan.is_tiny : nullptr);
+                                   NeedsTiny(plan) ? &plan.is_tiny : nullptr);
   if (!NeedsAllTriangles(plan)) plan.kept = std::move(fine.kept);
   return fine.facts;
 }
@@ -54,9 +67,9 @@ absl::StatusOr<std::unique_ptr<ExactPlan>> MakeExactPlan(ExactInput asked, const
   const ExactInput& input = plan->input;
   plan->scan_frames = MakeScanFrames(input.frames);
   if (request.solid() != nullptr) plan->solid = *request.solid();
+  if (request.links() != nullptr) plan->link_ends = *request.links();
   plan->minimal = request.is_minimal();
-  plan->links = std::make_unique<TileLinks>(Shifted(input.mesh.box.min, kTileBits),
-                                            plan->minimal ? ReachOf(input.frames) * kNearHalo : Vec3i{});
+  plan->links = std::make_unique<TileLinks>(Shifted(input.mesh.box.min, kTileBits), HaloOfLinks(*plan));
   SetMargins(*plan);
   plan->has_large_tiles = input.band || input.fields;
   const SurfaceFacts surface = SortOut(*plan, creation);
@@ -68,8 +81,10 @@ absl::StatusOr<std::unique_ptr<ExactPlan>> MakeExactPlan(ExactInput asked, const
   plan->shard = request.part.shard.value_or(Shard{});
   plan->span = SpanOf(request.part, input.mesh, input.frames, input.region, input.bounds, creation);
   if (creation.Stopped()) return absl::CancelledError("voxelization cancelled");
-  if (IsSigned(*plan) && !plan->solid && !surface.closed) {
-    return absl::InvalidArgumentError("mesh: it is not closed, which signed distances ask for");
+  if (plan->NeedsParity() && !surface.closed) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "mesh: it is not closed, which ",
+        input.fields && input.fields->is_signed ? "signed distances ask for" : "a side of links asks for"));
   }
   return plan;
 }

@@ -22,7 +22,7 @@ const std::map<std::string, NamedLattice>& Lattices() {
 
 // Options whose type differs from that of their value in Arguments.
 struct Words {
-  std::string algorithm = "exact", simd = "best", peer, set, rule = "parity";
+  std::string algorithm = "exact", simd = "best", peer, set, rule = "parity", side = "both";
   bool minimal = true;
   std::vector<std::string> fields;
   std::vector<int32_t> region;
@@ -46,9 +46,13 @@ std::vector<std::string> FieldNames() {
   return names;
 }
 
+const std::map<std::string, LinkSide> kSides{
+    {"both", LinkSide::kBoth}, {"inside", LinkSide::kInside}, {"outside", LinkSide::kOutside}};
+
 SetOption SetOf(const Words& words) {
   if (words.band > 0) return Band{.width = words.band, .in_voxels = true};
   if (words.set == "supercover") return SupercoverSurface{};
+  if (words.set == "links") return Links{kSides.at(words.side)};
   if (words.set != "solid" && words.set != "interior") return SeparatingSurface{};
   return Solid{.rule = words.rule == "parity" ? InteriorRule::kParity : InteriorRule::kWinding,
                .surface = words.set == "solid" ? SolidSurface::kSeparating : SolidSurface::kNone};
@@ -73,8 +77,9 @@ void Declare(CLI::App& app, Arguments& arguments, Words& words) {
   app.add_option("--shard", words.shard, "I/N: only part I, from 0, of N")->delimiter('/')->expected(2);
   app.add_option("--band", words.band, "a band, this many voxel sizes wide")->check(CLI::PositiveNumber);
   app.add_option("--algorithm", words.algorithm)->check(OneOf(kAlgorithms));
-  app.add_option("--set", words.set)->check(CLI::IsMember({"surface", "supercover", "solid", "interior"}));
+  app.add_option("--set", words.set)->check(CLI::IsMember({"surface", "supercover", "solid", "interior", "links"}));
   app.add_option("--rule", words.rule, "which points are inside a solid")->check(CLI::IsMember({"parity", "winding"}));
+  app.add_option("--side", words.side, "which ends of links")->check(CLI::IsMember(kSides));
   app.add_option("--fields", words.fields, "what voxels carry; default: distance for a band, otherwise nothing")
       ->delimiter(',')
       ->check(CLI::IsMember(FieldNames()));
@@ -134,6 +139,9 @@ absl::StatusOr<Arguments> ParseArguments(std::vector<std::string> words) {
   }
   if (!std::holds_alternative<Solid>(options.set) && app.count("--rule") > 0) {
     return absl::InvalidArgumentError("--rule: needs --set solid or interior");
+  }
+  if (!std::holds_alternative<Links>(options.set) && app.count("--side") > 0) {
+    return absl::InvalidArgumentError("--side: needs --set links");
   }
   if (named.band > 0 && !named.set.empty()) return absl::InvalidArgumentError("--band: is a set, as --set is");
   if (app.count("--minimal") > 0) options.minimal = named.minimal;

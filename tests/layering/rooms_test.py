@@ -29,7 +29,7 @@ ORDER = {
 # for rooms.
 Limits = collections.namedtuple("Limits", "rooms most_rooms arrows most_arrows upward")
 LIMITS = {
-    "core": Limits(rooms=22, most_rooms=26, arrows=110, most_arrows=115, upward=0),
+    "core": Limits(rooms=22, most_rooms=26, arrows=111, most_arrows=115, upward=0),
     "server": Limits(rooms=10, most_rooms=10, arrows=25, most_arrows=30, upward=0),
     # Four are of tool/confined: cli calls it, and it takes types, printable texts and a grid's stream from the SDK.
     "client": Limits(rooms=12, most_rooms=22, arrows=36, most_arrows=55, upward=0),
