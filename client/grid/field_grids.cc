@@ -62,6 +62,9 @@ auto WithForm(Field field, const Visit& visit) {
     case Field::kPart:
     case Field::kMaterial:
     case Field::kTriangle:
+    case Field::kLinks:  // no grid holds these three, which have a number for each neighbor
+    case Field::kLinkTriangles:
+    case Field::kLinkCrossings:
       break;
   }
   return visit(IntegerForm());
@@ -77,8 +80,7 @@ openvdb::GridBase::Ptr NewGrid(const GridTransform& transform, Field field) {
 template <class Form, class Value, class Number>
 void Fill(std::span<const Brick> bricks, const FieldValues& values, Value (*to_value)(const Number*),
           openvdb::GridBase& grid) {
-  FillGrid(bricks, values.As<Number>().data(), FactsOf(values.field).components, to_value,
-           static_cast<typename Form::Grid&>(grid));
+  FillGrid(bricks, values.As<Number>().data(), values.components(), to_value, static_cast<typename Form::Grid&>(grid));
 }
 
 }  // namespace

@@ -60,7 +60,7 @@ bool AppendField(Field field, const openvdb::Vec3s& vector, std::vector<std::byt
 // Reads the values of a field from the leaves of its grid. False: some are no values of this field.
 template <class Leaves>
 bool ReadValues(const Leaves& leaves, uint64_t voxels, FieldValues& values) {
-  values.bytes.reserve(voxels * FactsOf(values.field).bytes());
+  values.bytes.reserve(voxels * values.bytes_of_voxel());
   bool good = true;
   for (const auto* leaf : leaves) {
     ForEachValue(*leaf, [&](const auto& value) { good &= AppendField(values.field, value, values.bytes); });
@@ -133,7 +133,7 @@ absl::StatusOr<GridContent> ReadSet(GridArchive& archive, const std::string& pat
   GridContent content{.file = *std::move(set)};
   if (!values || content.file.info.name != "voxels") return content;
   for (const FieldFacts& row : kFields) {
-    if (!archive.HasGrid(row.name)) continue;
+    if (row.is_of_links() || !archive.HasGrid(row.name)) continue;
     FieldValues field{row.field, {}};
     const openvdb::GridBase::Ptr grid = archive.ReadGrid(row.name);
     if (auto status = ReadField(*grid, path, content, field); !status.ok()) return status;

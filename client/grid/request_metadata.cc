@@ -71,6 +71,9 @@ Json RequestJson(const VoxelizeRequest& request) {
   if (const auto* solid = std::get_if<Solid>(&request.set)) AddSolid(*solid, json);
   if (const auto* band = std::get_if<Band>(&request.set)) {
     AddBand(*band, json);
+  } else if (const auto* links = std::get_if<Links>(&request.set)) {
+    json["separability"] = request.separability;
+    json["side"] = NameOf(links->side);
   } else {
     AddSurface(request, json);
   }

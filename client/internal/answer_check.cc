@@ -45,7 +45,7 @@ Vec3i TileOf(const Vec3i& brick_ijk) {
 void AddField(const std::vector<Brick>& bricks, const FieldValues& field, Digest& digest) {
   std::span<const std::byte> values = field.bytes;
   for (const Brick& brick : bricks) {
-    const size_t bytes = CountVoxels(brick) * FactsOf(field.field).bytes();
+    const size_t bytes = CountVoxels(brick) * field.bytes_of_voxel();
     digest.Add(brick, values.first(bytes));
     values = values.subspan(bytes);
   }
@@ -109,7 +109,23 @@ absl::Status AnswerCheck::ReceiveAccepted(const v1::Accepted& message) {
       if (box->min[m] >= box->max[m]) return Broken("index_box is empty on axis ", m);
     }
   }
+  if (auto status = CheckNeighbors(); !status.ok()) return status;
   return handlers_.on_accepted ? handlers_.on_accepted(*accepted_) : absl::OkStatus();
+}
+
+// Ascending, so that none comes twice, and each with its opposite.
+absl::Status AnswerCheck::CheckNeighbors() const {
+  const std::vector<Vec3i>& neighbors = accepted_->neighbors;
+  if (neighbors.empty() == CarriesLinks(request_.fields)) return Broken(neighbors.size(), " neighbors");
+  if (neighbors.size() > kMostNeighbors) return Broken(neighbors.size(), " neighbors, over ", kMostNeighbors);
+  for (size_t n = 0; n < neighbors.size(); ++n) {
+    const Vec3i &q = neighbors[n], &opposite = neighbors[neighbors.size() - 1 - n];
+    const bool has_opposite =
+        int64_t{q[0]} + opposite[0] == 0 && int64_t{q[1]} + opposite[1] == 0 && int64_t{q[2]} + opposite[2] == 0;
+    if (has_opposite && (n == 0 || neighbors[n - 1] < q)) continue;
+    return Broken("neighbor ", n, " is ", absl::StrJoin(q, ","));
+  }
+  return absl::OkStatus();
 }
 
 // The request id identifies the stream, and the number of tiles that are left is not a fact of the whole.
@@ -117,6 +133,7 @@ absl::Status AnswerCheck::CompareAccepted(const Accepted& again) const {
   const char* differs = !(again.grid == accepted_->grid)          ? "grid"
                         : again.index_box != accepted_->index_box ? "index_box"
                         : !(again.mesh == accepted_->mesh)        ? "mesh"
+                        : again.neighbors != accepted_->neighbors ? "neighbors"
                                                                   : nullptr;
   if (differs == nullptr) return absl::OkStatus();
   return Broken("the stream was resumed, and Accepted.", differs, " is not what it was before");
@@ -225,6 +242,7 @@ absl::Status AnswerCheck::ReceiveFields(const v1::BrickBatch& message, size_t vo
   }
   for (size_t n = 0; n < asked.size(); ++n) {
     fields_[n].field = asked[n];
+    if (FactsOf(asked[n]).is_of_links()) fields_[n].neighbors = accepted_->neighbors.size();
     auto status = ReceiveField(message.fields(static_cast<int>(n)), voxels, fields_[n]);
     if (!status.ok()) return status;
   }
@@ -232,7 +250,7 @@ absl::Status AnswerCheck::ReceiveFields(const v1::BrickBatch& message, size_t vo
 }
 
 absl::Status AnswerCheck::ReceiveField(const v1::FieldValues& message, size_t voxels, FieldValues& out) {
-  const size_t each = FactsOf(out.field).bytes(), expected = voxels * each;
+  const size_t each = out.bytes_of_voxel(), expected = voxels * each;
   const size_t found = message.plain_bytes() != 0 ? message.plain_bytes() : message.values().size();
   if (found != expected) {
     return Broken("the field ", NameOf(out.field), " has ", found, " bytes for ", voxels, " voxels, not ", expected);
@@ -271,6 +289,14 @@ absl::Status AnswerCheck::CheckValues(const FieldValues& field) const {
         if (absl::Status status = CheckDistance(distance); !status.ok()) return status;
       }
       return absl::OkStatus();
+    case Field::kLinks:
+      return check(float{}, [](float share) { return std::isnan(share) || (share > 0 && share <= 1); });
+    case Field::kLinkTriangles:
+      return check(uint32_t{}, [this](uint32_t number) {
+        return number < accepted_->mesh.triangles || number == std::numeric_limits<uint32_t>::max();
+      });
+    case Field::kLinkCrossings:
+      return check(uint32_t{}, [this](uint32_t number) { return number <= accepted_->mesh.triangles; });
     case Field::kColor:
       break;  // any bytes
   }

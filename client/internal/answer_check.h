@@ -54,6 +54,7 @@ class AnswerCheck {
   absl::Status CheckDistance(float distance) const;
   absl::Status ReceiveSummary(const v1::Summary& message);
   absl::Status CheckSet(const Certificate& certificate) const;
+  absl::Status CheckNeighbors() const;
   absl::Status CheckFields(const Certificate& certificate) const;
   const Band* band() const { return std::get_if<Band>(&request_.set); }
   double BandWidth() const;

@@ -20,7 +20,13 @@ absl::StatusOr<Voxelization> Gather(const Client& client, const VoxelizeRequest&
                                     const CallOptions& options) {
   Voxelization all;
   for (const Field field : request.fields) all.fields.push_back({field, {}});
-  const auto accept = [&all](const Accepted& accepted) { return all.accepted = accepted, absl::OkStatus(); };
+  const auto accept = [&all](const Accepted& accepted) {
+    all.accepted = accepted;
+    for (FieldValues& values : all.fields) {
+      if (FactsOf(values.field).is_of_links()) values.neighbors = accepted.neighbors.size();
+    }
+    return absl::OkStatus();
+  };
   const auto take = [&all](const BrickBatch& batch) {
     const auto& [bricks, progress, fields] = batch;  // all members of a batch
     all.bricks.insert(all.bricks.end(), bricks.begin(), bricks.end());

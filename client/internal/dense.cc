@@ -56,13 +56,13 @@ absl::StatusOr<DenseVoxels> Shaped(const IndexBox& box, uint64_t most_points) {
 }
 
 // Returns values for points that are no voxels. Throws std::bad_alloc.
-FieldValues Empty(Field field, size_t points) {
-  FieldValues values{field, {}};
+FieldValues Empty(Field field, size_t neighbors, size_t points) {
+  FieldValues values{field, {}, neighbors};
   const FieldFacts& facts = FactsOf(field);
-  values.bytes.resize(points * facts.bytes());
+  values.bytes.resize(points * values.bytes_of_voxel());
   if (facts.type != NumberType::kFloat32) return values;
   auto* const numbers = reinterpret_cast<float*>(values.bytes.data());
-  std::fill_n(numbers, points * facts.components, std::numeric_limits<float>::quiet_NaN());
+  std::fill_n(numbers, points * values.components(), std::numeric_limits<float>::quiet_NaN());
   return values;
 }
 
@@ -70,13 +70,13 @@ FieldValues Empty(Field field, size_t points) {
 void Fill(const BrickBatch& all, DenseVoxels& dense) {
   const size_t points = dense.shape[0] * dense.shape[1] * dense.shape[2];
   dense.voxels.resize(points);
-  for (const FieldValues& values : all.fields) dense.fields.push_back(Empty(values.field, points));
+  for (const FieldValues& values : all.fields) dense.fields.push_back(Empty(values.field, values.neighbors, points));
   ForEachVoxel(all, [&](const Voxel& voxel) {
     if (!Contains(dense.box, voxel.ijk)) return;
     const size_t n = dense.IndexOf(voxel.ijk);
     dense.voxels[n] = 1;
     for (size_t f = 0; f < all.fields.size(); ++f) {
-      const size_t bytes = FactsOf(all.fields[f].field).bytes();
+      const size_t bytes = all.fields[f].bytes_of_voxel();
       std::copy_n(&all.fields[f].bytes[voxel.number * bytes], bytes, &dense.fields[f].bytes[n * bytes]);
     }
   });

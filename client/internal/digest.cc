@@ -3,7 +3,6 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
-#include <algorithm>
 #include <bit>
 #include <cstdio>
 #include <cstring>
@@ -11,7 +10,8 @@
 namespace latvox::client {
 namespace {
 
-constexpr size_t kMostFieldBytes = std::ranges::max(kFields, {}, &FieldFacts::bytes).bytes();
+// Of a voxel: a number for each neighbor.
+constexpr size_t kMostFieldBytes = sizeof(float) * kMostNeighbors;
 
 }  // namespace
 

@@ -1,5 +1,6 @@
 #include "client/internal/wire.h"
 
+#include <array>
 #include <variant>
 
 #include "client/internal/printable.h"
@@ -97,9 +98,16 @@ void SetToProto(const Band& band, v1::VoxelizeSpec& spec) {
   band.in_voxels ? spec.mutable_band()->set_voxels(band.width) : spec.mutable_band()->set_width(band.width);
 }
 
-// The protocol's numbers are those of our enumeration, from 1.
-static_assert(v1::Field_MAX == kFields.size());
-v1::Field ToProto(Field field) { return static_cast<v1::Field>(static_cast<int>(field) + 1); }
+void SetToProto(const Links& links, v1::VoxelizeSpec& spec) {
+  static_assert(v1::LINK_SIDE_BOTH == 1 && v1::LINK_SIDE_INSIDE == 2 && v1::LINK_SIDE_OUTSIDE == 3);
+  spec.mutable_links()->set_side(static_cast<v1::LinkSide>(static_cast<int>(links.side) + 1));
+}
+
+// In the order of kFields.
+constexpr std::array<v1::Field, kFields.size()> kFieldNumbers{
+    v1::FIELD_PART,  v1::FIELD_MATERIAL, v1::FIELD_COLOR, v1::FIELD_DISTANCE,       v1::FIELD_TRIANGLE,
+    v1::FIELD_POINT, v1::FIELD_NORMAL,   v1::FIELD_LINKS, v1::FIELD_LINK_TRIANGLES, v1::FIELD_LINK_CROSSINGS};
+v1::Field ToProto(Field field) { return kFieldNumbers[static_cast<size_t>(field)]; }
 
 // Unknown fields are left out.
 std::vector<FieldCertificate> FieldsOf(const v1::Certificate& certificate) {
@@ -213,6 +221,7 @@ Accepted FromProto(const v1::Accepted& accepted) {
   }
   out.tiles_in_box = accepted.tiles_in_box();
   out.mesh = FromProto(accepted.mesh());
+  for (const v1::Ijk& q : accepted.neighbors()) out.neighbors.push_back(FromProto(q));
   out.placement = grid.placement() == v1::PLACEMENT_CELLS ? Placement::kCells : Placement::kPoints;
   return out;
 }

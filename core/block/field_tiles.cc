@@ -8,9 +8,12 @@ namespace {
 
 std::optional<FieldContext> MakeContext(const SnappedMesh& mesh, const FieldPlan* plan, const TriangleIndex* index,
                                         StopSignal stop) {
-  if (plan == nullptr) return std::nullopt;
+  if (plan == nullptr || plan->nearest.empty()) return std::nullopt;
   FieldContext context{mesh, *plan, index, {}, stop};
-  for (const Field field : plan->fields) context.writers.push_back(NewFieldWriter(*plan, field));
+  for (size_t n = 0; n < plan->fields.size(); ++n) {
+    const Field field = plan->fields.view()[n];
+    if (!FactsOf(field).is_of_links()) context.writers.push_back({n, NewFieldWriter(*plan, field)});
+  }
   return context;
 }
 

@@ -1,4 +1,4 @@
-// The fields of a job's tiles.
+// The fields of a job's tiles that come from the nearest triangle.
 #ifndef LATVOX_CORE_BLOCK_FIELD_TILES_H_
 #define LATVOX_CORE_BLOCK_FIELD_TILES_H_
 

@@ -95,14 +95,14 @@ void SolidTiles::Sort(const SnappedMesh& mesh, const TileNode& node, StopSignal 
 // Without a margin, a tile's rows follow each other in its bits.
 TileBricks SolidTiles::CutOut(const TileContext& context, const Interior& interior, size_t number,
                               const Vec3i& tile_ijk, BlockVoxels* surface) {
-  interior.Find(tile_ijk, triangles_[number], rows_);
+  const std::span<const uint64_t> rows = RowsOf(interior, number, tile_ijk);
   TileBricks tile;
   if (surface != nullptr) {
-    surface->AddRows(tile_ijk, rows_.view());
+    surface->AddRows(tile_ijk, rows);
     tile = surface->CutOut(context, tile_ijk);
   } else {
     static_assert(std::endian::native == std::endian::little, "words of both sizes are read as bytes");
-    std::memcpy(bits_.words().data(), rows_.view().data(), rows_.view().size_bytes());
+    std::memcpy(bits_.words().data(), rows.data(), rows.size_bytes());
     tile = latvox::CutOut(LayoutOf(tile_ijk), bits_, tile_ijk * kTileSide, context.region, context.mesh.base_ijk);
   }
   tile.labels = std::exchange(rows_.labels(), {});

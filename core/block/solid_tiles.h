@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -48,6 +49,12 @@ class SolidTiles {
 
   // Begins a node.
   void Sort(const SnappedMesh& mesh, const TileNode& node, StopSignal stop);
+
+  // Returns the rows of the interior of the node's tile with that number in Morton order, valid until the next call.
+  std::span<const uint64_t> RowsOf(const Interior& interior, size_t number, const Vec3i& tile_ijk) {
+    interior.Find(tile_ijk, triangles_[number], rows_);
+    return rows_.view();
+  }
 
   // Returns the bricks of the node's tile with that number in Morton order, like BlockVoxels::CutOut.
   //   tile_ijk   its position, local

@@ -27,25 +27,46 @@ void FindSurface(const TileContext& context, const TileNode& node, BlockScan& sc
   }
 }
 
-void DigitizeBlock(const TileContext& context, const TileNode& node, const Interior* interior, bool surface,
-                   BlockScan& scan, std::vector<TileBricks>& tiles) {
-  surface = surface && (!node.triangles.empty() || node.links > 0);
-  if (surface) FindSurface(context, node, scan);
-  if (interior != nullptr) scan.solid.Sort(context.mesh, node, context.stop);
+// Calls cut_out(number, tile_ijk) for the node's tiles, in Morton order, and appends the results that have voxels.
+template <class CutOut>
+void AppendTiles(const TileContext& context, const TileNode& node, std::vector<TileBricks>& tiles, CutOut&& cut_out) {
   const int32_t count = 1 << 3 * node.level;
   for (int32_t n = 0; n < count && !context.stop.Stopped(); ++n) {
     Vec3i step{};  // Morton order, i most significant
     for (int bit = 0; bit < node.level; ++bit) {
       for (size_t m = 0; m < 3; ++m) step[m] |= (n >> (3 * bit + 2 - static_cast<int>(m)) & 1) << bit;
     }
-    const Vec3i tile_ijk = node.tile_ijk + step;
-    TileBricks tile = interior == nullptr ? scan.surface.voxels().CutOut(context, tile_ijk)
-                                          : scan.solid.CutOut(context, *interior, static_cast<size_t>(n), tile_ijk,
-                                                              surface ? &scan.surface.voxels() : nullptr);
+    TileBricks tile = cut_out(static_cast<size_t>(n), node.tile_ijk + step);
     if (tile.bricks.empty()) continue;
     tile.progress = std::min(1.0, node.progress + node.share * (n + 1) / count);
     tiles.push_back(std::move(tile));
   }
+}
+
+}  // namespace
+
+void DigitizeBlock(const TileContext& context, const TileNode& node, const Interior* interior, bool surface,
+                   BlockScan& scan, std::vector<TileBricks>& tiles) {
+  surface = surface && (!node.triangles.empty() || node.links > 0);
+  if (surface) FindSurface(context, node, scan);
+  if (interior != nullptr) scan.solid.Sort(context.mesh, node, context.stop);
+  AppendTiles(context, node, tiles, [&](size_t number, const Vec3i& tile_ijk) {
+    if (interior == nullptr) return scan.surface.voxels().CutOut(context, tile_ijk);
+    return scan.solid.CutOut(context, *interior, number, tile_ijk, surface ? &scan.surface.voxels() : nullptr);
+  });
+}
+
+void FindLinksOfBlock(const TileContext& context, const TileNode& node, const Interior* interior, LinkSide side,
+                      BlockScan& scan, std::vector<TileBricks>& tiles) {
+  scan.links.Find(context, node);
+  if (interior != nullptr) scan.solid.Sort(context.mesh, node, context.stop);
+  AppendTiles(context, node, tiles, [&](size_t number, const Vec3i& tile_ijk) {
+    TileBricks tile = scan.links.voxels().CutOut(context, tile_ijk);
+    if (interior != nullptr && !tile.bricks.empty()) {
+      KeepSide(side, scan.solid.RowsOf(*interior, number, tile_ijk), tile);
+    }
+    return tile;
+  });
 }
 
 }  // namespace latvox

@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "core/block/link_ends.h"
 #include "core/block/solid_tiles.h"
 #include "core/block/surface_scan.h"
 #include "core/block/thinner.h"
@@ -22,8 +23,9 @@ struct BlockScan {
   SurfaceScan surface;
   Thinner thinner;
   SolidTiles solid;
+  LinkEnds links;
 
-  size_t Bytes() const { return surface.Bytes() + thinner.Bytes() + solid.Bytes(); }
+  size_t Bytes() const { return surface.Bytes() + thinner.Bytes() + solid.Bytes() + links.Bytes(); }
 };
 
 // Finds the surface's voxels in the node and its overlap, as scan.surface.voxels().
@@ -36,6 +38,11 @@ void FindSurface(const TileContext& context, const TileNode& node, BlockScan& sc
 //   surface    whether to include the surface's voxels
 void DigitizeBlock(const TileContext& context, const TileNode& node, const Interior* interior, bool surface,
                    BlockScan& scan, std::vector<TileBricks>& tiles);
+
+// Appends the node's tiles that have ends of crossed links, in the same way.
+//   interior   that of the mesh; null if both sides are wanted
+void FindLinksOfBlock(const TileContext& context, const TileNode& node, const Interior* interior, LinkSide side,
+                      BlockScan& scan, std::vector<TileBricks>& tiles);
 
 }  // namespace latvox
 

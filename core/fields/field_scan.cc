@@ -42,10 +42,10 @@ void FieldScan::Find(const FieldContext& context, std::span<const uint32_t> tria
   if (has_inside_) interior->Find(Shifted(tile_min_, kTileBits), triangles, inside_);
   winner_.reset();
   shapes_.Begin();
-  tile.fields.resize(context.writers.size());
-  for (size_t n = 0; n < context.writers.size(); ++n) {
-    tile.fields[n].clear();
-    tile.fields[n].reserve(tile.voxels * FactsOf(context.plan.fields.view()[n]).bytes());
+  tile.fields.resize(context.plan.fields.size());
+  for (const PlacedWriter& placed : context.writers) {
+    tile.fields[placed.place].clear();
+    tile.fields[placed.place].reserve(tile.voxels * FactsOf(context.plan.fields.view()[placed.place]).bytes(0));
   }
   const double* square = context.plan.has_squares ? tile.squares.data() : nullptr;
   for (const Brick& brick : tile.bricks) {
@@ -118,7 +118,7 @@ void FieldScan::FindBrick(const FieldContext& context, const Brick& brick, const
         if (!Decide(context, nearest)) return;
       }
       if (label != kNoLabel) nearest.numbers[*context.plan.label_place] = label;
-      for (size_t n = 0; n < context.writers.size(); ++n) context.writers[n]->Append(nearest, tile.fields[n]);
+      for (const auto& [place, writer] : context.writers) writer->Append(nearest, tile.fields[place]);
     }
   }
 }
@@ -222,7 +222,7 @@ bool FieldScan::Decide(const FieldContext& context, Nearest& nearest) {
   assert(!candidates_.empty());
   const FieldPlan& plan = context.plan;
   const bool has_numbers = !plan.of_mesh.empty();
-  if (plan.of_mesh.size() == plan.fields.size() && AgreeOnNumbers(context, nearest)) return true;
+  if (plan.of_mesh.size() == plan.nearest.size() && AgreeOnNumbers(context, nearest)) return true;
   winner_.reset();
   Corner best{};
   for (const Candidate& candidate : candidates_) {

@@ -21,12 +21,17 @@
 
 namespace latvox {
 
+struct PlacedWriter {
+  size_t place;  // of its field in TileBricks::fields
+  std::unique_ptr<FieldWriter> writer;
+};
+
 // The facts that all tiles of a job share.
 struct FieldContext {
   const SnappedMesh& mesh;
   const FieldPlan& plan;
   const TriangleIndex* index;  // null unless plan.is_searched
-  std::vector<std::unique_ptr<FieldWriter>> writers;
+  std::vector<PlacedWriter> writers;
   StopSignal stop;
 };
 
@@ -38,7 +43,8 @@ struct FieldContext {
 // threads or kernels. Only numbers of triangles depend on the order of triangles.
 class FieldScan {
  public:
-  // Finds tile.fields, which are incomplete once the job is stopped. Takes tile.squares away.
+  // Finds those of tile.fields that come from the nearest triangle, which are incomplete once the job is stopped. Takes
+  // tile.squares away.
   //   triangles   all that meet the tile; only needed for signs
   //   interior    null, or that which decides on signs
   void Find(const FieldContext& context, std::span<const uint32_t> triangles, const Interior* interior,

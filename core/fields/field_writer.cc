@@ -10,7 +10,13 @@ constexpr std::array<NewWriter, kFields.size()> kWriters{
     NewMeshNumberWriter,  // part
     NewMeshNumberWriter,  // material
     NewMeshNumberWriter,  // color
-    NewDistanceWriter,   NewTriangleWriter, NewPointWriter, NewNormalWriter,
+    NewDistanceWriter,
+    NewTriangleWriter,
+    NewPointWriter,
+    NewNormalWriter,
+    nullptr,  // links: link_table.h
+    nullptr,  // link_triangles
+    nullptr,  // link_crossings
 };
 
 }  // namespace

@@ -31,7 +31,7 @@ class FieldWriter {
  public:
   virtual ~FieldWriter() = default;
 
-  // Appends the field of one voxel: FieldFacts::bytes, little-endian.
+  // Appends the field of one voxel, little-endian.
   virtual void Append(const Nearest& nearest, std::vector<std::byte>& out) const = 0;
 };
 
@@ -42,7 +42,7 @@ std::unique_ptr<FieldWriter> NewTriangleWriter(const FieldPlan& plan, Field fiel
 std::unique_ptr<FieldWriter> NewPointWriter(const FieldPlan& plan, Field field);
 std::unique_ptr<FieldWriter> NewNormalWriter(const FieldPlan& plan, Field field);
 
-// The writer of a field of the plan.
+// The writer of a field of plan.nearest.
 std::unique_ptr<FieldWriter> NewFieldWriter(const FieldPlan& plan, Field field);
 
 }  // namespace latvox

@@ -33,9 +33,10 @@ std::optional<size_t> PlaceOfLabels(const VoxelRequest& request) {
 double LengthOf(const Vec3d& v) { return std::sqrt(Dot(v, v)); }
 
 // The distance from the mesh of voxels that are searched, world units; infinite if there is no bound. A separating
-// voxel is an end of a link along a frame, and the mesh crosses the nearer half of that link. The cell of a
-// supercover's voxel meets the mesh. It reaches no farther than half the diagonal of a box with sides as long as the
-// basis vectors, because the nearest plane method finds a lattice point within that distance of any point.
+// voxel is an end of a link along a frame, and the mesh crosses the nearer half of that link. A voxel of links is
+// either end. The cell of a supercover's voxel meets the mesh. It reaches no farther than half the diagonal of a box
+// with sides as long as the basis vectors, because the nearest plane method finds a lattice point within that distance
+// of any point.
 double FarthestVoxel(const VoxelRequest& request, const Lattice& lattice, bool is_label_alone) {
   const bool has_inside = request.is_filled() && !is_label_alone;
   if (request.band() != nullptr || has_inside) return std::numeric_limits<double>::infinity();
@@ -45,7 +46,7 @@ double FarthestVoxel(const VoxelRequest& request, const Lattice& lattice, bool i
   for (const Frame& frame : lattice.frames(request.separability)) {
     longest = std::max(longest, LengthOf(Apply(basis, ToDouble(frame.q))));
   }
-  return longest / 2;
+  return request.links() != nullptr ? longest : longest / 2;
 }
 
 }  // namespace
@@ -56,7 +57,8 @@ absl::StatusOr<FieldPlan> MakeFieldPlan(const VoxelRequest& request, const Latti
   if (request.fields.Contains(Field::kDistance)) {
     if (absl::Status status = CheckDistances(size); !status.ok()) return status;
   }
-  const absl::StatusOr<Metric> metric = MakeMetric(lattice);
+  const FieldList nearest = request.fields.OfNearest();
+  const absl::StatusOr<Metric> metric = nearest.empty() ? Metric{} : MakeMetric(lattice);
   if (!metric.ok()) return metric.status();
   constexpr double kSlack = 1 + 0x1p-16;  // for rounding, including that of the metric and of a supercover's cell
   const bool has_band = request.band() != nullptr;
@@ -65,10 +67,11 @@ absl::StatusOr<FieldPlan> MakeFieldPlan(const VoxelRequest& request, const Latti
   const double farthest = FarthestVoxel(request, lattice, is_label_alone) / size * kLatticeUnit * kSlack;
   return FieldPlan{
       .fields = request.fields,
+      .nearest = nearest,
       .is_signed = request.signed_distance,
       .has_squares = has_band,
-      .is_searched =
-          has_band ? request.fields != FieldList{Field::kDistance} : !is_label_alone || request.has_surface(),
+      .is_searched = !nearest.empty() &&
+                     (has_band ? nearest != FieldList{Field::kDistance} : !is_label_alone || request.has_surface()),
       .label_place = label_place,
       .is_label_alone = is_label_alone,
       .metric = *metric,

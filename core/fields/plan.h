@@ -16,10 +16,11 @@
 namespace latvox {
 
 struct FieldPlan {
-  FieldList fields;  // at least one
-  bool is_signed;    // distances are negative inside
-  bool has_squares;  // tiles bring the squares of their voxels' distances: those of a band
-  bool is_searched;  // fields need more than these squares, and more than labels
+  FieldList fields;   // at least one
+  FieldList nearest;  // those among them that come from the nearest triangle; the members below are for these
+  bool is_signed;     // distances are negative inside
+  bool has_squares;   // tiles bring the squares of their voxels' distances: those of a band
+  bool is_searched;   // fields need more than these squares, and more than labels
   // For a labeled solid: where the labels stand in `of_mesh`. Points inside of a label have it for their number.
   std::optional<size_t> label_place;
   bool is_label_alone;  // points inside of a label need no search

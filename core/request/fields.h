@@ -7,33 +7,52 @@
 #include <cstddef>
 #include <cstdint>
 #include <initializer_list>
+#include <limits>
 #include <span>
+
+#include "core/lattice/frame.h"
 
 namespace latvox {
 
-enum class Field : uint32_t { kPart, kMaterial, kColor, kDistance, kTriangle, kPoint, kNormal };
+enum class Field : uint32_t {
+  kPart,
+  kMaterial,
+  kColor,
+  kDistance,
+  kTriangle,
+  kPoint,
+  kNormal,
+  kLinks,
+  kLinkTriangles,
+  kLinkCrossings
+};
 
 // The types of a field's components, on the wire and in memory.
 enum class NumberType { kUint8, kUint32, kFloat32 };
 
 constexpr size_t BytesOf(NumberType type) { return type == NumberType::kUint8 ? 1 : 4; }
 
+// The most neighbors of a lattice point, of all lattices.
+inline constexpr size_t kMostNeighbors = 2 * kMaxPairs;
+
 struct FieldFacts {
   Field field;
   const char* name;     // in the protocol, in files and on the command line
   NumberType type;      // of each component
-  uint32_t components;  // of a voxel
+  uint32_t components;  // of a voxel; 0: one for each neighbor, in the order of core/fields/link_order.h
   // A field of the mesh: the largest number of a vertex; the smallest is 0. Other fields have 0 here.
   uint32_t largest = 0;
 
-  // Of a voxel.
-  constexpr size_t bytes() const { return components * BytesOf(type); }
+  // Of a voxel with so many neighbors.
+  constexpr size_t bytes(size_t neighbors) const { return (is_of_links() ? neighbors : components) * BytesOf(type); }
+  // Whether it says where the links to a voxel's neighbors meet the mesh.
+  constexpr bool is_of_links() const { return components == 0; }
   // Whether each vertex of the mesh has a number for it. A color's number is red << 16 | green << 8 | blue.
   constexpr bool is_of_mesh() const { return largest != 0; }
 };
 
 // All fields. A new field is one more row.
-inline constexpr std::array<FieldFacts, 7> kFields{{
+inline constexpr std::array<FieldFacts, 10> kFields{{
     {Field::kPart, "part", NumberType::kUint32, 1, 0x7FFFFFFF},
     {Field::kMaterial, "material", NumberType::kUint32, 1, 0x7FFFFFFF},
     {Field::kColor, "color", NumberType::kUint8, 3, 0xFFFFFF},
@@ -41,6 +60,9 @@ inline constexpr std::array<FieldFacts, 7> kFields{{
     {Field::kTriangle, "triangle", NumberType::kUint32, 1},
     {Field::kPoint, "point", NumberType::kFloat32, 2},
     {Field::kNormal, "normal", NumberType::kFloat32, 3},
+    {Field::kLinks, "links", NumberType::kFloat32, 0},
+    {Field::kLinkTriangles, "link_triangles", NumberType::kUint32, 0},
+    {Field::kLinkCrossings, "link_crossings", NumberType::kUint32, 0},
 }};
 
 constexpr const FieldFacts& FactsOf(Field field) { return kFields[static_cast<size_t>(field)]; }
@@ -53,12 +75,18 @@ static_assert(std::ranges::all_of(kFields, [](const FieldFacts& row) { return &F
 inline constexpr size_t kMostMeshFields = static_cast<size_t>(std::ranges::count_if(kFields, &FieldFacts::is_of_mesh));
 
 // The most bytes that one voxel carries for one field, and for all.
-inline constexpr size_t kMostFieldBytes = std::ranges::max(kFields, {}, &FieldFacts::bytes).bytes();
+inline constexpr size_t kMostFieldBytes = std::ranges::max(kFields, {}, [](const FieldFacts& row) {
+                                            return row.bytes(kMostNeighbors);
+                                          }).bytes(kMostNeighbors);
 inline constexpr size_t kMostBytesOfVoxel = [] {
   size_t sum = 0;
-  for (const FieldFacts& row : kFields) sum += row.bytes();
+  for (const FieldFacts& row : kFields) sum += row.bytes(kMostNeighbors);
   return sum;
 }();
+
+// The share and the triangle of a link that the mesh does not cross.
+inline constexpr float kNotCrossed = std::numeric_limits<float>::quiet_NaN();
+inline constexpr uint32_t kNoTriangle = std::numeric_limits<uint32_t>::max();
 
 // A list of fields, in the order of the request. It is plain bytes, because a decoder process receives it.
 class FieldList {
@@ -82,6 +110,17 @@ class FieldList {
     return fields;
   }
 
+  // The fields that come from the nearest triangle, or of links, among these, in this order.
+  constexpr FieldList OfNearest() const { return Those(false); }
+  constexpr FieldList OfLinks() const { return Those(true); }
+
+  // Of a voxel with so many neighbors.
+  constexpr size_t bytes(size_t neighbors) const {
+    size_t sum = 0;
+    for (const Field field : view()) sum += FactsOf(field).bytes(neighbors);
+    return sum;
+  }
+
   constexpr uint32_t size() const { return count_; }
   constexpr bool empty() const { return count_ == 0; }
   constexpr std::span<const Field> view() const { return std::span(fields_).first(count_); }
@@ -91,6 +130,14 @@ class FieldList {
   bool operator==(const FieldList&) const = default;
 
  private:
+  constexpr FieldList Those(bool of_links) const {
+    FieldList fields;
+    for (const Field field : view()) {
+      if (FactsOf(field).is_of_links() == of_links) fields.Add(field);
+    }
+    return fields;
+  }
+
   uint32_t count_ = 0;
   std::array<Field, kFields.size()> fields_{};
 };

@@ -13,6 +13,7 @@
 #include "core/request/algorithm.h"
 #include "core/request/band.h"
 #include "core/request/fields.h"
+#include "core/request/links.h"
 #include "core/request/solid.h"
 #include "core/request/walk.h"
 
@@ -32,7 +33,7 @@ struct SeparatingSurface {};
 struct SupercoverSurface {};
 
 // A new set is one more struct here.
-using SetOption = std::variant<SeparatingSurface, SupercoverSurface, Solid, Band, Enclosed, Connected>;
+using SetOption = std::variant<SeparatingSurface, SupercoverSurface, Solid, Band, Enclosed, Connected, Links>;
 
 struct VoxelizeOptions {
   int64_t separability = 0;                          // k: 0, 1 or 2

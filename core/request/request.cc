@@ -27,6 +27,7 @@ SurfaceSet SurfaceOf(const VoxelizeOptions& options) {
 
 PointSet SetOf(const VoxelizeOptions& options) {
   if (const Band* band = std::get_if<Band>(&options.set)) return BandSet{*band};
+  if (const Links* links = std::get_if<Links>(&options.set)) return LinkSet{*links};
   const SurfaceSet surface = SurfaceOf(options);
   if (const auto* enclosed = std::get_if<Enclosed>(&options.set)) {
     return WalkSet{std::nullopt, enclosed->leak_from, enclosed->close, false, enclosed->surface != SolidSurface::kNone,
@@ -53,6 +54,11 @@ const Band* VoxelRequest::band() const {
 
 const WalkSet* VoxelRequest::walk() const { return std::get_if<WalkSet>(&set); }
 
+const Links* VoxelRequest::links() const {
+  const auto* links = std::get_if<LinkSet>(&set);
+  return links != nullptr ? &links->links : nullptr;
+}
+
 const SurfaceSet* VoxelRequest::surface() const {
   if (walk() != nullptr) return &walk()->surface;
   if (const auto* solid = std::get_if<SolidSet>(&set)) return &solid->surface;
@@ -75,6 +81,7 @@ std::string_view NameOfSet(const VoxelRequest& request) {
   if (const WalkSet* walk = request.walk()) {
     return walk->seed ? "region" : walk->with_surface ? "enclosed" : "enclosed-interior";
   }
+  if (request.links() != nullptr) return "links";
   if (request.solid() == nullptr) return request.is_supercover() ? "supercover" : "surface";
   return !request.has_surface() ? "interior" : request.is_supercover() ? "supercover-solid" : "solid";
 }

@@ -13,6 +13,7 @@
 #include "core/request/algorithm.h"
 #include "core/request/band.h"
 #include "core/request/fields.h"
+#include "core/request/links.h"
 #include "core/request/options.h"
 #include "core/request/solid.h"
 
@@ -45,8 +46,13 @@ struct WalkSet {
   SurfaceSet surface;  // which the walk does not enter
 };
 
+// The ends of the links that a mesh crosses.
+struct LinkSet {
+  Links links;
+};
+
 // A new set is one more struct here.
-using PointSet = std::variant<SurfaceSet, SolidSet, BandSet, WalkSet>;
+using PointSet = std::variant<SurfaceSet, SolidSet, BandSet, WalkSet, LinkSet>;
 
 // The parts of the whole that a request keeps. They are exactly as in the whole.
 struct Part {
@@ -68,10 +74,11 @@ struct VoxelRequest {
   const Solid* solid() const;
   const Band* band() const;
   const WalkSet* walk() const;
-  // The surface that is digitized, alone or for a solid or a walk; null for a band.
+  const Links* links() const;
+  // The surface that is digitized, alone or for a solid or a walk; null for a band or links.
   const SurfaceSet* surface() const;
 
-  // kExact for a band.
+  // kExact for a band or links.
   Algorithm algorithm() const;
   bool is_supercover() const;
   // Whether the surface is thinned to k-minimality.
@@ -82,7 +89,7 @@ struct VoxelRequest {
   bool is_filled() const { return solid() != nullptr || walk() != nullptr; }
 };
 
-// "surface", "supercover", "solid", "supercover-solid", "interior", "band", "enclosed", "enclosed-interior" or
+// "surface", "supercover", "solid", "supercover-solid", "interior", "band", "links", "enclosed", "enclosed-interior" or
 // "region".
 std::string_view NameOfSet(const VoxelRequest& request);
 

@@ -145,9 +145,10 @@ std::optional<SolidSurface> SurfaceOfSolid(const O& options) {
   return solid == nullptr ? std::nullopt : std::optional(solid->surface);
 }
 
-// An option with its default value counts as not given.
+// An option with its default value counts as not given. Fields of links depend on separability, whatever the set.
 constexpr std::array kOptions{
-    Option{"separability", "separability", "`separability` above 0", [](const O& o) { return o.separability != 0; },
+    Option{"separability", "separability", "`separability` above 0 without fields of links",
+           [](const O& o) { return o.separability != 0 && o.fields.OfLinks().empty(); },
            [](const O& o) { return absl::StrCat(o.separability); }},
     Option{"minimal", "minimal", "`minimal` true", [](const O& o) { return o.minimal.value_or(false); }, None},
     Option{"algorithm", "algorithm", "`algorithm` other than exact",
@@ -164,6 +165,7 @@ constexpr std::array kOptions{
     Option{"band", "band", "`band`", [](const O& o) { return Is<Band>(o); }, None},
     Option{"enclosed", "enclosed", "`enclosed`", [](const O& o) { return Is<Enclosed>(o); }, None},
     Option{"connected", "connected", "`connected`", [](const O& o) { return Is<Connected>(o); }, None},
+    Option{"links", "links", "`links`", [](const O& o) { return Is<Links>(o); }, None},
     Option{"fields", "fields", "`fields`", [](const O& o) { return !o.fields.empty(); }, None},
     Option{"region", "region", "`region`", [](const O& o) { return o.region.has_value(); }, None},
     Option{"bounds", "bounds", "`bounds`", [](const O& o) { return o.bounds.has_value(); }, None},
@@ -177,11 +179,13 @@ constexpr std::array kExclusions{
     Exclusion{"minimal", "supercover of a solid", ", which is not thinned"},
     Exclusion{"minimal", "band", ", which is not thinned"},
     Exclusion{"minimal", "interior alone", ", which is not thinned"},
+    Exclusion{"minimal", "links", ", which is not thinned"},
     Exclusion{"supercover", "algorithm"},
     Exclusion{"solid", "algorithm"},
     Exclusion{"separability", "interior alone", ", which has no voxels of the surface"},
     Exclusion{"band", "algorithm"},
     Exclusion{"separability", "band"},
+    Exclusion{"links", "algorithm"},
     Exclusion{"fields", "algorithm"},
     Exclusion{"verify", "region"},
     Exclusion{"verify", "bounds"},
@@ -192,6 +196,7 @@ constexpr std::array kExclusions{
     Exclusion{"connected", "algorithm"},
     Exclusion{"verify", "enclosed"},
     Exclusion{"verify", "connected"},
+    Exclusion{"verify", "links"},
 };
 
 constexpr const Option* OptionNamed(std::string_view name) {

@@ -134,6 +134,7 @@ double EstimateFound(const TriangleMesh& mesh, const MeshExtent& extent, const G
       return TwiceAreaOf(corners) / (size * size) + 2 * LengthAround(corners) / size + 1;
     });
   }
+  if (request.links() != nullptr) voxels *= request.links()->side == LinkSide::kBoth ? 2 : 1;
   if (request.band() != nullptr)
     voxels *= WidthOf(*request.band(), grid.lattice) / size;  // without the parts that neighboring triangles share
   return voxels;
@@ -184,7 +185,8 @@ bool IsLabelAlone(const VoxelRequest& request) {
 double VisitsOfFields(const TriangleMesh& mesh, double voxels, const VoxelRequest& request) {
   constexpr double kPerTriangle = 20, kPerVoxel = 100, kPerSolidVoxel = 1000;  // at 15 ns; in a band at 100 ns
   const bool is_band = request.band() != nullptr;
-  if (request.fields.empty() || (is_band && request.fields == FieldList{Field::kDistance})) return 0;
+  const FieldList nearest = request.fields.OfNearest();
+  if (nearest.empty() || (is_band && nearest == FieldList{Field::kDistance})) return 0;
   const bool is_far = request.is_filled() && !IsLabelAlone(request);
   const double per_voxel = is_far ? kPerSolidVoxel : kPerVoxel;
   return kPerTriangle * static_cast<double>(mesh.triangles.size()) + per_voxel * voxels;
@@ -200,6 +202,18 @@ double VisitsOfClosing(const TriangleMesh& mesh, const WalkSet& walk, double siz
   const double width = walk.close / 2;
   const double volume = SumOver(mesh, stop, [width](const auto& corners) { return VolumeWithin(corners, width); });
   return kScans * kPerDistance * volume / (size * size * size);
+}
+
+// Links: a star for each pair of a triangle and a voxel that it crosses a link of, once for their ends and once for
+// their fields. A voxel without a crossed link costs only the memory of its fields.
+double VisitsOfLinks(const TriangleMesh& mesh, double found, double voxels, const VoxelRequest& request) {
+  constexpr double kPerEnd = 5, kPerCrossedVoxel = 25, kPerVoxel = 2, kPerTriangle = 20;  // at 15 ns; k = 0
+  const double triangles = kPerTriangle * static_cast<double>(mesh.triangles.size());
+  double visits = request.links() != nullptr ? kPerEnd * found + triangles : 0;
+  if (!request.fields.OfLinks().empty()) {
+    visits += kPerCrossedVoxel * std::min(found, voxels) + kPerVoxel * voxels + triangles;
+  }
+  return visits;
 }
 
 }  // namespace
@@ -266,8 +280,9 @@ double EstimateVisits(const TriangleMesh& mesh, const MeshExtent& extent, const 
     const double volume = SumOver(mesh, stop, [&](const auto& corners) { return VolumeWithin(corners, width); });
     const double visits = volume / (size * size * size);
     const double found = EstimateFound(mesh, extent, grid, request, {}, stop);
+    const double delivered = Delivered(found, grid, request);
     return (request.part.shard ? visits / request.part.shard->count : visits) +
-           VisitsOfFields(mesh, Delivered(found, grid, request), request);
+           VisitsOfFields(mesh, delivered, request) + VisitsOfLinks(mesh, found, delivered, request);
   }
   if (request.algorithm() == Algorithm::kBruteForce) {
     return SumOver(mesh, stop, [&](const auto& corners) { return VolumeAround(corners, size); });
@@ -283,12 +298,11 @@ double EstimateVisits(const TriangleMesh& mesh, const MeshExtent& extent, const 
   visits = VisitsOfPart(visits, most, grid, request);
   if (request.walk() != nullptr) visits += of_surface + VisitsOfClosing(mesh, *request.walk(), size, stop);
   if (request.is_supercover()) visits += kVisitsPerTriangle * static_cast<double>(mesh.triangles.size());
-  if (request.fields.empty()) return visits;
-  if (IsLabelAlone(request)) {
-    if (!request.has_surface()) return visits;
-    return visits + VisitsOfFields(mesh, Delivered(found, grid, request), request);
-  }
-  return visits + VisitsOfFields(mesh, EstimateVoxels(mesh, extent, grid, request, stop), request);
+  if (request.fields.empty() && request.links() == nullptr) return visits;
+  const double ends = Delivered(found, grid, request);
+  if (IsLabelAlone(request)) return visits + (request.has_surface() ? VisitsOfFields(mesh, ends, request) : 0);
+  const double voxels = EstimateVoxels(mesh, extent, grid, request, stop);
+  return visits + VisitsOfFields(mesh, voxels, request) + VisitsOfLinks(mesh, ends, voxels, request);
 }
 
 }  // namespace latvox

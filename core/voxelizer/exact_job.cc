@@ -64,7 +64,7 @@ class ExactJob final : public VoxelizeJob {
   const std::unique_ptr<ExactPlan> plan_;
   UnitScheduler units_;
   const UnitScan scan_;
-  std::unique_ptr<const Interior> interior_;  // for a solid or signed distances, once prepared
+  std::unique_ptr<const Interior> interior_;  // for a solid or what needs parity, once prepared
   std::unique_ptr<const Walk> walk_;          // for a set that a walk decides, once prepared
   JobTotals totals_;
 };
@@ -90,8 +90,7 @@ absl::Status ExactJob::Prepare() {
     const CpuMeter::Scope scope(cpu_);
     if (absl::Status status = PrepareWalk(); !status.ok()) return status;
   }
-  const auto& fields = plan_->input.fields;
-  if (interior_ || (!plan_->solid && !(fields && fields->is_signed))) return absl::OkStatus();
+  if (interior_ || (!plan_->solid && !plan_->NeedsParity())) return absl::OkStatus();
   const CpuMeter::Scope scope(cpu_);
   if (!plan_->solid) {  // the mesh is closed
     interior_ = MakeClosedInterior(plan_->input.mesh, InteriorRule::kParity, plan_->input.region, stop_.Signal());

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "absl/strings/str_cat.h"
 #include "core/block/solid_tiles.h"
-#include "core/block/tile_job.h"
 #include "core/tiny/fine_pass.h"
 #include "core/tiny/fineness.h"
 #include "core/triangles/surface_facts.h"
@@ -20,25 +20,34 @@ void SetMargins(ExactPlan& plan) {
   const TileContext context = plan.Context({});
   plan.near_margin = input.band ? input.band->reach : context.NearMargin();
   plan.far_margin = input.band ? input.band->reach : context.FarMargin();
-  if (!input.walk || !input.walk->close) return;
-  for (size_t m = 0; m < 3; ++m) {
-    const int32_t close = input.walk->close->reach[m] + plan.overlap[m];
-    plan.near_margin[m] = std::max(plan.near_margin[m], close);
-    plan.far_margin[m] = std::max(plan.far_margin[m], close);
-  }
+  const auto widen = [&plan](const Vec3i& by) {
+    for (size_t m = 0; m < 3; ++m) {
+      plan.near_margin[m] = std::max(plan.near_margin[m], by[m]);
+      plan.far_margin[m] = std::max(plan.far_margin[m], by[m]);
+    }
+  };
+  if (input.walk && input.walk->close) widen(input.walk->close->reach + plan.overlap);
+  if (plan.HasLinkFields()) widen(plan.LinkContext({}).NearMargin());
+}
+
+// The distance from the voxels of a tile's scan within which it needs the links of tiny triangles.
+Vec3i HaloOfLinks(const ExactPlan& plan) {
+  return ReachOf(plan.input.frames) * (plan.minimal ? kNearHalo : plan.link_ends ? 1 : 0);
 }
 
 // Voxels around a tile whose links the tile's scan needs.
 Vec3i MarginOfLinks(const ExactPlan& plan) {
-  Vec3i margin = plan.overlap + (plan.minimal ? ReachOf(plan.input.frames) * kNearHalo : Vec3i{});
+  Vec3i margin = plan.overlap + HaloOfLinks(plan);
   for (int32_t& voxels : margin) voxels = std::min(voxels, kTileSide / 2);
   return margin;
 }
 
-bool IsSigned(const ExactPlan& plan) { return plan.input.fields && plan.input.fields->is_signed; }
-
 // Whether tiles need to know on which side of the mesh their voxels are.
-bool NeedsSides(const ExactPlan& plan) { return plan.solid || IsSigned(plan); }
+bool NeedsSides(const ExactPlan& plan) { return plan.solid || plan.NeedsParity(); }
+
+// Whether tiles need to know tiny triangles, although their links are known. A tile of links may hold only farther ends
+// of these, so without the triangles, the tree would leave it out.
+bool NeedsTiny(const ExactPlan& plan) { return NeedsSides(plan) || plan.link_ends || plan.HasLinkFields(); }
 
 // The sides need the crossings of lines along an axis.
 bool NeedsAllTriangles(const ExactPlan& plan) { return NeedsSides(plan) && !HasAxes(plan.input.frames); }
@@ -53,7 +62,7 @@ SurfaceFacts SortOut(ExactPlan& plan, StopSignal creation) {
   const IndexBox around{plan.scanned().min - margin, plan.scanned().max + margin};
   plan.is_fine = true;
   FineTriangles fine = SortOutFine(input.mesh, plan.scan_frames, fineness, around, creation, *plan.links,
-                                   NeedsSides(plan) ? &plan.is_tiny : nullptr);
+                                   NeedsTiny(plan) ? &plan.is_tiny : nullptr);
   // Without any triangle, the tree would have no tiles, although a walk may reach them.
   const bool needs_all = NeedsAllTriangles(plan) || (input.walk && fine.kept.empty());
   if (!needs_all) plan.kept = std::move(fine.kept);
@@ -69,6 +78,7 @@ absl::StatusOr<std::unique_ptr<ExactPlan>> MakeExactPlan(ExactInput asked, const
   const ExactInput& input = plan->input;
   plan->scan_frames = MakeScanFrames(input.frames);
   if (request.solid() != nullptr) plan->solid = *request.solid();
+  if (request.links() != nullptr) plan->link_ends = *request.links();
   plan->minimal = request.is_minimal();
   if (input.walk) plan->overlap = input.walk->steps.reach + input.walk->steps.slack;
   plan->links = std::make_unique<TileLinks>(Shifted(input.mesh.box.min, kTileBits), MarginOfLinks(*plan));
@@ -90,8 +100,10 @@ absl::StatusOr<std::unique_ptr<ExactPlan>> MakeExactPlan(ExactInput asked, const
   plan->shard = request.part.shard.value_or(Shard{});
   plan->span = SpanOf(request.part, input.mesh, input.frames, input.region, input.bounds, creation);
   if (creation.Stopped()) return absl::CancelledError("voxelization cancelled");
-  if (IsSigned(*plan) && !plan->solid && !surface.closed) {
-    return absl::InvalidArgumentError("mesh: it is not closed, which signed distances ask for");
+  if (plan->NeedsParity() && !surface.closed) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "mesh: it is not closed, which ",
+        input.fields && input.fields->is_signed ? "signed distances ask for" : "a side of links asks for"));
   }
   return plan;
 }

@@ -12,11 +12,13 @@
 #include "core/base/stop_signal.h"
 #include "core/base/uninitialized.h"
 #include "core/block/tile_context.h"
+#include "core/block/tile_job.h"
 #include "core/brick/tile_order.h"
 #include "core/digitize/principal_scan.h"
 #include "core/fields/plan.h"
 #include "core/fields/triangle_index.h"
 #include "core/lattice/frame.h"
+#include "core/request/links.h"
 #include "core/request/solid.h"
 #include "core/snap/snap.h"
 #include "core/solid/labels.h"
@@ -51,6 +53,7 @@ struct ExactPlan {
   std::vector<ScanFrame> scan_frames;
   std::optional<Solid> solid;
   std::optional<Labels> labels;               // of a labeled solid
+  std::optional<Links> link_ends;             // a set of these
   bool minimal = false;                       // whether to thin
   Vec3i reach{}, overlap{};                   // see TileContext
   Vec3i near_margin{}, far_margin{};          // of the tree, see TileTree
@@ -72,12 +75,24 @@ struct ExactPlan {
     return {input.mesh, scan_frames, input.supercover.get(), reach, minimal,
             *links,     is_tiny,     input.region,           job,   overlap};
   }
+
+  // The same for the links of blocks, whatever the set.
+  TileContext LinkContext(StopSignal job) const {
+    return {input.mesh, scan_frames, nullptr, ReachOf(input.frames), false, *links, is_tiny, input.region, job};
+  }
+
+  // Whether voxels carry fields of links.
+  bool HasLinkFields() const { return input.fields && input.fields->nearest.size() < input.fields->fields.size(); }
+
+  // The rule for the inside, if tiles need to know on which side of the mesh their voxels are, and the set is no solid.
+  bool NeedsParity() const {
+    return !solid && ((input.fields && input.fields->is_signed) || (link_ends && link_ends->side != LinkSide::kBoth));
+  }
 };
 
 // For a fine mesh, one pass finds the facts and the crossings of tiny triangles.
 //   creation   stops this function, not the job
-// Errors: INVALID_ARGUMENT if distances are signed, the set is no solid, and the mesh is not closed; those of
-// MakeLabels; CANCELLED.
+// Errors: INVALID_ARGUMENT if the mesh is not closed, and ExactPlan::NeedsParity; those of MakeLabels; CANCELLED.
 absl::StatusOr<std::unique_ptr<ExactPlan>> MakeExactPlan(ExactInput input, const VoxelRequest& request,
                                                          StopSignal creation);
 

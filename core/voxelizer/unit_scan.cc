@@ -26,6 +26,7 @@ UnitScan::UnitScan(const ExactPlan& plan, const UnitScheduler& units, StopSignal
       units_(units),
       context_(plan.Context(stop)),
       fields_(plan.input.mesh, plan.input.fields ? &*plan.input.fields : nullptr, plan.index.get(), stop),
+      links_(plan.LinkContext(stop), plan.input.fields ? plan.input.fields->fields : FieldList{}),
       band_(MakeBandContext(plan, stop)) {}
 
 std::vector<TileBricks> UnitScan::Scan(const TileNode& unit, const Interior* interior, const Walk* walk) const {
@@ -46,6 +47,7 @@ void UnitScan::Process(const TileNode& node, const Interior* interior, const Wal
   if (plan_.input.bounds) Clip(*plan_.input.bounds, first, out);
   std::erase_if(out, [this](const TileBricks& tile) { return !units_.IsInSpan(tile.tile_ijk); });
   fields_.Add(node.triangles, interior, std::span(out).subspan(first));
+  links_.Add(node, std::span(out).subspan(first));
 }
 
 // A scan that was stopped in the middle of a block is not used again.
@@ -66,6 +68,11 @@ void UnitScan::ScanLeaf(const TileNode& node, const Interior* interior, const Wa
     return;
   }
   std::unique_ptr<BlockScan> scan = scans_.Reserve();
+  if (plan_.link_ends) {
+    FindLinksOfBlock(context_, node, interior, plan_.link_ends->side, *scan, out);
+    if (!context_.stop.Stopped()) scans_.Release(std::move(scan));
+    return;
+  }
   const bool has_surface = !plan_.solid || plan_.solid->surface != SolidSurface::kNone;
   DigitizeBlock(context_, node, plan_.solid ? interior : nullptr, has_surface, *scan, out);
   if (!context_.stop.Stopped()) scans_.Release(std::move(scan));

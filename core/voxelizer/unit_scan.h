@@ -8,6 +8,7 @@
 #include "core/band/band_scan.h"
 #include "core/base/stop_signal.h"
 #include "core/block/field_tiles.h"
+#include "core/block/link_tiles.h"
 #include "core/block/scan_pool.h"
 #include "core/block/tile_context.h"
 #include "core/block/tile_job.h"
@@ -28,7 +29,7 @@ class UnitScan {
   UnitScan(const ExactPlan& plan, const UnitScheduler& units, StopSignal stop);
 
   // Returns the unit's tiles that are delivered, in canonical order, in global coordinates.
-  //   interior   null, or that of a solid, or that which decides on the signs of distances
+  //   interior   null, or that of a solid, or that which decides on sides
   //   walk       null unless a walk decides on the set
   std::vector<TileBricks> Scan(const TileNode& unit, const Interior* interior, const Walk* walk) const;
 
@@ -43,6 +44,7 @@ class UnitScan {
   const UnitScheduler& units_;
   const TileContext context_;
   const FieldTiles fields_;
+  const LinkTiles links_;
   const std::optional<BandContext> band_;
   mutable ScanPool<BlockScan> scans_;
   mutable ScanPool<BandScan> band_scans_;

@@ -104,11 +104,12 @@ absl::StatusOr<std::unique_ptr<VoxelizeJob>> MakeJob(Mesh mesh, const Grid& grid
   if (!supercover.ok()) return supercover.status();
   const std::vector<Frame>& frames = grid.lattice.frames(request.separability);
   const bool exact = request.algorithm() == Algorithm::kExact;
-  const Vec3i reach = *band         ? (*band)->reach * 2  // the box covers half a neighbor's step
-                      : *walk       ? ReachOfWalk(**walk)
-                      : *supercover ? (*supercover)->Reach()
-                      : exact       ? ReachOf(frames)
-                                    : ThesisReach(grid.lattice, request.separability, request.algorithm());
+  const Vec3i reach = *band                        ? (*band)->reach * 2  // the box covers half a neighbor's step
+                      : *walk                      ? ReachOfWalk(**walk)
+                      : *supercover                ? (*supercover)->Reach()
+                      : request.links() != nullptr ? ReachOf(frames) * 2
+                      : exact                      ? ReachOf(frames)
+                              : ThesisReach(grid.lattice, request.separability, request.algorithm());
   auto snapped = Snap(std::move(mesh), grid.lattice, grid.origin, reach, stop);
   if (stop.Stopped()) return Cancelled();
   if (!snapped.ok()) return snapped.status();

@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "core/fields/link_order.h"
 #include "core/snap/snap.h"
 #include "server/wire/enums.h"
 #include "server/wire/vectors.h"
@@ -75,8 +76,8 @@ void FieldsToProto(const FieldList& fields, const JobTotals& totals, v1::Certifi
 
 }  // namespace
 
-v1::Accepted AcceptedToProto(const std::string& request_id, const Grid& grid, Placement placement,
-                             const JobFacts& facts, const MeshSource& source) {
+v1::Accepted AcceptedToProto(const std::string& request_id, const VoxelRequest& request, const Grid& grid,
+                             Placement placement, const JobFacts& facts, const MeshSource& source) {
   v1::Accepted accepted;
   accepted.set_request_id(request_id);
   GridToProto(grid, placement, *accepted.mutable_grid());
@@ -86,6 +87,8 @@ v1::Accepted AcceptedToProto(const std::string& request_id, const Grid& grid, Pl
   }
   accepted.set_tiles_in_box(facts.tiles_in_box);
   MeshFactsToProto(facts, source, *accepted.mutable_mesh());
+  if (request.fields.OfLinks().empty()) return accepted;
+  for (const Vec3i& q : NeighborsOf(grid.lattice.frames(request.separability))) ToProto(q, *accepted.add_neighbors());
   return accepted;
 }
 

@@ -22,8 +22,8 @@ struct MeshSource {
   uint32_t quantization_bits = 0;
 };
 
-v1::Accepted AcceptedToProto(const std::string& request_id, const Grid& grid, Placement placement,
-                             const JobFacts& facts, const MeshSource& source);
+v1::Accepted AcceptedToProto(const std::string& request_id, const VoxelRequest& request, const Grid& grid,
+                             Placement placement, const JobFacts& facts, const MeshSource& source);
 
 // `verdict` is set if the result was verified.
 v1::Certificate CertificateToProto(const JobSpec& spec, const JobFacts& facts, const MeshSource& source,

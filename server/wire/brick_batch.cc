@@ -9,6 +9,7 @@
 #include <string_view>
 #include <utility>
 
+#include "core/request/fields.h"
 #include "server/wire/brick_codec.h"
 
 namespace latvox {
@@ -47,10 +48,10 @@ TileBricks PartOf(const TileBricks& tile, size_t first, size_t end, uint64_t vox
 
 }  // namespace
 
-std::vector<TileBricks> BrickBatcher::PartsOf(TileBricks tile) const {
+std::vector<TileBricks> BrickBatcher::PartsOf(TileBricks tile) {
   std::vector<TileBricks> parts;
   size_t bytes_of_voxel = 0;
-  for (const Field field : fields_) bytes_of_voxel += FactsOf(field).bytes();
+  for (const std::vector<std::byte>& field : tile.fields) bytes_of_voxel += field.size() / tile.voxels;
   if (tile.voxels * bytes_of_voxel <= kMostPartBytes) {
     parts.push_back(std::move(tile));
     return parts;
@@ -74,6 +75,7 @@ void BrickBatcher::Add(const TileBricks& tile) {
   encoding_ == BrickEncoding::kMasks ? AddMasks(tile) : AddPacked(tile);
   AddFields(tile);
   bricks_ += tile.bricks.size();
+  voxels_ += tile.voxels;
   progress_ = std::clamp(tile.progress, progress_, 1.0);
 }
 
@@ -92,8 +94,7 @@ void BrickBatcher::StoreFields() {
   if (encoding_ != BrickEncoding::kPackedZstd) return;
   for (int n = 0; n < batch_.fields_size(); ++n) {
     v1::FieldValues& field = *batch_.mutable_fields(n);
-    std::optional<std::string> frame =
-        CompressWherePays(InPlanes(field.values(), FactsOf(fields_.view()[static_cast<size_t>(n)]).bytes()));
+    std::optional<std::string> frame = CompressWherePays(InPlanes(field.values(), field.values().size() / voxels_));
     if (!frame) continue;
     field.set_plain_bytes(static_cast<uint32_t>(field.values().size()));
     field.set_values(*std::move(frame));
@@ -147,7 +148,7 @@ v1::BrickBatch BrickBatcher::Release(bool tile_continues) {
   StoreFields();
   batch_.set_tile_continues(tile_continues);
   batch_.set_progress(progress_);
-  bricks_ = field_bytes_ = 0;
+  bricks_ = voxels_ = field_bytes_ = 0;
   full_bytes_ = std::min(2 * full_bytes_, kFullBytes);
   return std::exchange(batch_, {});
 }

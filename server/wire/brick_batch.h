@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "core/brick/brick.h"
-#include "core/request/fields.h"
 #include "latvox/v1/voxelizer.pb.h"
 
 namespace latvox {
@@ -29,10 +28,10 @@ class BrickBatcher {
   // Of all fields of a part of a tile.
   static constexpr size_t kMostPartBytes = size_t{3} << 20;
 
-  BrickBatcher(BrickEncoding encoding, const FieldList& fields) : encoding_(encoding), fields_(fields) {}
+  explicit BrickBatcher(BrickEncoding encoding) : encoding_(encoding) {}
 
   // Divides a tile into parts with at most kMostPartBytes of fields, in order. Mostly that is the tile itself.
-  std::vector<TileBricks> PartsOf(TileBricks tile) const;
+  static std::vector<TileBricks> PartsOf(TileBricks tile);
 
   // Adds a tile, or a part of one.
   void Add(const TileBricks& part);
@@ -53,11 +52,11 @@ class BrickBatcher {
   void StorePacked();
 
   const BrickEncoding encoding_;
-  const FieldList fields_;
   v1::BrickBatch batch_;
   std::unique_ptr<uint8_t[]> packed_;  // kept from batch to batch
   size_t packed_room_ = 0, packed_bytes_ = 0;
   size_t bricks_ = 0;       // in batch_ or packed_
+  size_t voxels_ = 0;       // of these
   size_t field_bytes_ = 0;  // in batch_
   size_t full_bytes_ = kFirstFullBytes;
   double progress_ = 0;

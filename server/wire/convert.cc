@@ -67,6 +67,12 @@ absl::StatusOr<SetOption> BandFromProto(const v1::Band& band) {
   return BadSpec("band: neither width nor voxels is set", "band", "");
 }
 
+absl::StatusOr<SetOption> LinksFromProto(const v1::Links& links) {
+  const absl::StatusOr<LinkSide> side = Meaning(kLinkSideNumbers, links.side(), "links.side", "a side");
+  if (!side.ok()) return side.status();
+  return Links{*side};
+}
+
 absl::StatusOr<SetOption> SetFromProto(const v1::VoxelizeSpec& spec) {
   switch (spec.set_case()) {
     case v1::VoxelizeSpec::kSupercover:
@@ -75,6 +81,8 @@ absl::StatusOr<SetOption> SetFromProto(const v1::VoxelizeSpec& spec) {
       return SolidFromProto(spec.solid());
     case v1::VoxelizeSpec::kBand:
       return BandFromProto(spec.band());
+    case v1::VoxelizeSpec::kLinks:
+      return LinksFromProto(spec.links());
     case v1::VoxelizeSpec::kSurface:
     case v1::VoxelizeSpec::SET_NOT_SET:
       break;

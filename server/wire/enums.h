@@ -13,6 +13,7 @@
 #include "core/request/algorithm.h"
 #include "core/request/fields.h"
 #include "core/request/grid_request.h"
+#include "core/request/links.h"
 #include "core/request/solid.h"
 #include "latvox/v1/voxelizer.pb.h"
 #include "server/base/errors.h"
@@ -64,13 +65,21 @@ inline constexpr EnumTable<BrickEncoding, 4> kEncodingNumbers{
      {v1::BRICK_ENCODING_PACKED, BrickEncoding::kPacked},
      {v1::BRICK_ENCODING_PACKED_ZSTD, BrickEncoding::kPackedZstd}}};
 
+inline constexpr EnumTable<LinkSide, 4> kLinkSideNumbers{{{v1::LINK_SIDE_UNSPECIFIED, LinkSide::kBoth},
+                                                          {v1::LINK_SIDE_BOTH, LinkSide::kBoth},
+                                                          {v1::LINK_SIDE_INSIDE, LinkSide::kInside},
+                                                          {v1::LINK_SIDE_OUTSIDE, LinkSide::kOutside}}};
+
 inline constexpr EnumTable<Field, kFields.size()> kFieldNumbers{{{v1::FIELD_PART, Field::kPart},
                                                                  {v1::FIELD_MATERIAL, Field::kMaterial},
                                                                  {v1::FIELD_COLOR, Field::kColor},
                                                                  {v1::FIELD_DISTANCE, Field::kDistance},
                                                                  {v1::FIELD_TRIANGLE, Field::kTriangle},
                                                                  {v1::FIELD_POINT, Field::kPoint},
-                                                                 {v1::FIELD_NORMAL, Field::kNormal}}};
+                                                                 {v1::FIELD_NORMAL, Field::kNormal},
+                                                                 {v1::FIELD_LINKS, Field::kLinks},
+                                                                 {v1::FIELD_LINK_TRIANGLES, Field::kLinkTriangles},
+                                                                 {v1::FIELD_LINK_CROSSINGS, Field::kLinkCrossings}}};
 
 // Returns the meaning of a number on the wire. Errors: INVALID_ARGUMENT with an ErrorCause if the table does not have
 // it.

@@ -69,7 +69,7 @@ Computation::Computation(JobSpec spec, std::string request_id, const CallEnviron
       request_id_(std::move(request_id)),
       environment_(environment),
       memory_(spec_.request, environment.bulk.threads(), environment.memory, environment.client),
-      batcher_(spec_.encoding, spec_.request.fields) {}
+      batcher_(spec_.encoding) {}
 
 absl::Status Computation::CheckCancelled() const {
   return stop_.Stopped() ? absl::CancelledError("the request was cancelled") : absl::OkStatus();
@@ -280,7 +280,8 @@ absl::Status Computation::Start(const Deliver& deliver) {
     if (absl::Status status = CheckCancelled(); !status.ok()) return status;
     if (absl::Status status = CreateJob(); !status.ok()) return status;
     v1::VoxelizeResponse response;
-    *response.mutable_accepted() = AcceptedToProto(request_id_, *grid_, spec_.placement, job_->facts(), source_);
+    *response.mutable_accepted() =
+        AcceptedToProto(request_id_, spec_.request, *grid_, spec_.placement, job_->facts(), source_);
     deliver(std::move(response));
     last_delivery_ = paused_at_ = Clock::now();
     return absl::OkStatus();
@@ -339,7 +340,7 @@ bool Computation::HandleTile(TileBricks tile, const Deliver& deliver) {
 
 // A tile with large fields leaves in several batches.
 bool Computation::AddToBatch(TileBricks tile, const Deliver& deliver) {
-  std::vector<TileBricks> parts = batcher_.PartsOf(std::move(tile));
+  std::vector<TileBricks> parts = BrickBatcher::PartsOf(std::move(tile));
   bool more = true;
   if (parts.size() > 1 && !batcher_.empty()) more = DeliverBatch(deliver);
   for (size_t n = 0; n + 1 < parts.size(); ++n) {

@@ -19,6 +19,8 @@ constexpr uint64_t kSolidThreadBytes = uint64_t{2} << 20;
 // With fields: the search, and the fields of blocks in flight: of two tiles of a solid or a band, which may be full, or
 // of two blocks of a surface, as measured.
 constexpr uint64_t kFieldThreadBytes = uint64_t{4} << 20, kFieldThreadVoxels = uint64_t{2} << 20;
+// The same for fields of links, which are too large for such generosity: two full tiles, or blocks of a surface.
+constexpr uint64_t kLinkThreadVoxels = uint64_t{1} << 19;
 
 // The mesh: its arrays and those of the job, as measured, and half as much again. A field of the mesh counts twice for
 // each vertex: in the job's mesh, and in a mesh that the store has dropped since.
@@ -70,10 +72,11 @@ void JobMemory::Free() { memory_.Shrink(0); }
 
 // For a job with a mesh of this size.
 uint64_t JobMemory::BytesOf(uint64_t triangles, uint64_t vertices) const {
-  uint64_t bytes_of_voxel = 0;
-  for (const Field field : request_.fields) bytes_of_voxel += FactsOf(field).bytes();
-  const uint64_t of_thread = bytes_of_voxel == 0 ? 0 : kFieldThreadBytes + kFieldThreadVoxels * bytes_of_voxel;
-  const uint64_t of_triangle = bytes_of_voxel == 0 ? 0 : TriangleIndex::kBytesPerTriangle;
+  const FieldList nearest = request_.fields.OfNearest();
+  const uint64_t bytes_of_voxel = nearest.bytes(0), of_links = request_.fields.OfLinks().bytes(kMostNeighbors);
+  const uint64_t of_thread = (request_.fields.empty() ? 0 : kFieldThreadBytes) + kFieldThreadVoxels * bytes_of_voxel +
+                             kLinkThreadVoxels * of_links;
+  const uint64_t of_triangle = nearest.empty() ? 0 : TriangleIndex::kBytesPerTriangle;
   return kStreamBytes + threads_ * (kThreadBytes + of_thread) + triangles * (kBytesPerTriangle + of_triangle) +
          vertices * (kBytesPerVertex + request_.fields.OfMesh().size() * kBytesPerMeshField);
 }

@@ -22,7 +22,7 @@ const std::map<std::string, NamedLattice>& Lattices() {
 
 // Options whose type differs from that of their value in Arguments.
 struct Words {
-  std::string algorithm = "exact", simd = "best", peer, set, rule = "parity";
+  std::string algorithm = "exact", simd = "best", peer, set, rule = "parity", side = "both";
   bool minimal = true, labels = false;
   std::vector<std::string> fields;
   std::vector<int32_t> region;
@@ -47,6 +47,9 @@ std::vector<std::string> FieldNames() {
   return names;
 }
 
+const std::map<std::string, LinkSide> kSides{
+    {"both", LinkSide::kBoth}, {"inside", LinkSide::kInside}, {"outside", LinkSide::kOutside}};
+
 SetOption SetOf(const Words& words) {
   if (words.band > 0) return Band{.width = words.band, .in_voxels = true};
   if (words.set == "supercover") return SupercoverSurface{};
@@ -54,6 +57,7 @@ SetOption SetOf(const Words& words) {
   if (words.set == "region" && words.seed.size() == 3) {
     return Connected{{words.seed[0], words.seed[1], words.seed[2]}, words.close, true};
   }
+  if (words.set == "links") return Links{kSides.at(words.side)};
   if (words.set != "solid" && words.set != "interior") return SeparatingSurface{};
   return Solid{.rule = words.rule == "parity" ? InteriorRule::kParity : InteriorRule::kWinding,
                .surface = words.set == "solid" ? SolidSurface::kSeparating : SolidSurface::kNone};
@@ -80,12 +84,13 @@ void Declare(CLI::App& app, Arguments& arguments, Words& words) {
   app.add_option("--band", words.band, "a band, this many voxel sizes wide")->check(CLI::PositiveNumber);
   app.add_option("--algorithm", words.algorithm)->check(OneOf(kAlgorithms));
   app.add_option("--set", words.set)
-      ->check(CLI::IsMember({"surface", "supercover", "solid", "interior", "enclosed", "region"}));
+      ->check(CLI::IsMember({"surface", "supercover", "solid", "interior", "enclosed", "region", "links"}));
   app.add_option("--close", words.close, "for --set enclosed or region: holes up to this width are closed, world units")
       ->check(CLI::PositiveNumber);
   app.add_option("--seed", words.seed, "x,y,z: where --set region begins")->delimiter(',')->expected(3);
   app.add_option("--rule", words.rule, "which points are inside a solid")->check(CLI::IsMember({"parity", "winding"}));
   app.add_flag("--labels", words.labels, "make a solid of each part, and let voxels carry the part");
+  app.add_option("--side", words.side, "which ends of links")->check(CLI::IsMember(kSides));
   app.add_option("--fields", words.fields, "what voxels carry; default: distance for a band, otherwise nothing")
       ->delimiter(',')
       ->check(CLI::IsMember(FieldNames()));
@@ -157,6 +162,9 @@ absl::StatusOr<Arguments> ParseArguments(std::vector<std::string> words) {
   }
   if (named.close > 0 && named.set != "enclosed" && named.set != "region") {
     return absl::InvalidArgumentError("--close: needs --set enclosed or region");
+  }
+  if (!std::holds_alternative<Links>(options.set) && app.count("--side") > 0) {
+    return absl::InvalidArgumentError("--side: needs --set links");
   }
   if (named.band > 0 && !named.set.empty()) return absl::InvalidArgumentError("--band: is a set, as --set is");
   if (app.count("--minimal") > 0) options.minimal = named.minimal;

@@ -50,7 +50,7 @@ Bunny MakeBunny(NamedLattice lattice, int separability) {
 
 std::vector<v1::BrickBatch> Encode(const Bunny& bunny, BrickEncoding encoding) {
   std::vector<v1::BrickBatch> batches;
-  BrickBatcher batcher(encoding, {});
+  BrickBatcher batcher(encoding);
   for (const TileBricks& tile : bunny.tiles) {
     batcher.Add(tile);
     if (batcher.full()) batches.push_back(batcher.Release());

@@ -57,16 +57,22 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size) {
   const auto job = latvox::VoxelizeJob::CreateFromValid(mesh, *grid, spec->request);
   if (!job.ok()) return 0;
 
+  const size_t neighbors = 2 * grid->lattice.frames(spec->request.separability).size();
   int tiles = 0;
   latvox::VoxelSet voxels;
   const auto done = (*job)->Advance([&](latvox::TileBricks&& tile) {
     for (const latvox::Brick& brick : tile.bricks) voxels.Add(brick);
     if (tile.fields.size() != spec->request.fields.size()) std::abort();
+    for (size_t n = 0; n < tile.fields.size(); ++n) {
+      const size_t bytes = latvox::FactsOf(spec->request.fields.view()[n]).bytes(neighbors);
+      if (tile.fields[n].size() != tile.voxels * bytes) std::abort();
+    }
     if (++tiles == 8) (*job)->Cancel();  // the lattice may be huge
     return true;
   });
   if (!done.ok() || spec->request.part.region || spec->request.part.bounds || spec->request.part.resume_after ||
-      (solid != nullptr && !spec->request.has_surface()) || spec->request.band() != nullptr)
+      (solid != nullptr && !spec->request.has_surface()) || spec->request.band() != nullptr ||
+      spec->request.links() != nullptr)
     return 0;
   const auto verdict = (*job)->Verify(voxels);
   if (!verdict.ok() || verdict->tunnels != 0) std::abort();

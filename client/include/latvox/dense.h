@@ -25,7 +25,7 @@ struct DenseVoxels {
   std::array<size_t, 3> shape{};     // the number of points along i, j and k
   std::array<size_t, 3> strides{};   // the elements from one point to the next along i, j and k
   std::vector<uint8_t> voxels = {};  // 1 for a voxel, 0 for another point
-  // The fields that voxels carry: FieldFacts::components numbers for each point. Where there is no voxel, they are NaN
+  // The fields that voxels carry: FieldValues::components numbers for each point. Where there is no voxel, they are NaN
   // if they are floats, otherwise 0. Component c at element n is As<T>()[n * components + c].
   std::vector<FieldValues> fields = {};
 
@@ -46,7 +46,7 @@ inline constexpr uint64_t kMostDensePoints = uint64_t{1} << 30;
 LATVOX_EXPORT absl::StatusOr<DenseVoxels> ToDense(std::span<const Brick> bricks, const IndexBox& box,
                                                   uint64_t most_points = kMostDensePoints);
 
-// Does the same with fields. Memory: 1 byte for each point, and FieldFacts::bytes for each field.
+// Does the same with fields. Memory: 1 byte for each point, and FieldValues::bytes_of_voxel for each field.
 LATVOX_EXPORT absl::StatusOr<DenseVoxels> ToDense(const Voxelization& all, const IndexBox& box,
                                                   uint64_t most_points = kMostDensePoints);
 

@@ -24,8 +24,9 @@ struct Voxel {
   template <class T>
   std::span<const T> Of(Field field) const {
     const FieldValues* const values = FindField(fields, field);
-    const size_t count = FactsOf(field).components;
-    return values == nullptr ? std::span<const T>() : values->As<T>().subspan(number * count, count);
+    if (values == nullptr) return {};
+    const size_t count = values->components();
+    return values->As<T>().subspan(number * count, count);
   }
 };
 

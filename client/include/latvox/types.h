@@ -87,7 +87,7 @@ struct Shard {
   bool operator==(const Shard&) const = default;
 };
 
-// What voxels can carry, from the nearest triangle of the mesh: see Field in the protocol.
+// What voxels can carry, from the nearest triangle of the mesh or for each neighbor: see Field in the protocol.
 enum class Field {
   kPart,      // the part of the mesh
   kMaterial,  // the material
@@ -96,6 +96,10 @@ enum class Field {
   kTriangle,  // the number of the nearest triangle in the mesh as sent
   kPoint,     // its nearest point, as weights of its second and third corner
   kNormal,    // its unit normal in the world: x, y, z
+  // The next three have a number for each of Accepted::neighbors.
+  kLinks,          // the share of the link's length at which it first meets the mesh; NaN: it is not crossed
+  kLinkTriangles,  // the number of the triangle that it meets first; 4294967295: it is not crossed
+  kLinkCrossings,  // the number of triangles that cross the link
 };
 
 // The types of a field's components.
@@ -110,12 +114,15 @@ struct FieldFacts {
   Field field;        // the field of this row
   const char* name;   // in the protocol, in files and on the command line
   NumberType type;    // of each component
-  size_t components;  // of a voxel
+  size_t components;  // of a voxel; 0: one for each of Accepted::neighbors
   bool is_of_mesh;    // each vertex of the mesh has a number for it
 
-  // Returns the bytes of a voxel.
-  constexpr size_t bytes() const { return components * (type == NumberType::kUint8 ? 1 : 4); }
+  // Returns whether a voxel has a number for each neighbor.
+  constexpr bool is_of_links() const { return components == 0; }
 };
+
+// The most neighbors of a lattice point, of all lattices.
+inline constexpr size_t kMostNeighbors = 26;
 
 // All fields, in the order of their values.
 inline constexpr std::array kFields{
@@ -126,12 +133,15 @@ inline constexpr std::array kFields{
     FieldFacts{Field::kTriangle, "triangle", NumberType::kUint32, 1, false},
     FieldFacts{Field::kPoint, "point", NumberType::kFloat32, 2, false},
     FieldFacts{Field::kNormal, "normal", NumberType::kFloat32, 3, false},
+    FieldFacts{Field::kLinks, "links", NumberType::kFloat32, 0, false},
+    FieldFacts{Field::kLinkTriangles, "link_triangles", NumberType::kUint32, 0, false},
+    FieldFacts{Field::kLinkCrossings, "link_crossings", NumberType::kUint32, 0, false},
 };
 
 // Returns the row of a field.
 constexpr const FieldFacts& FactsOf(Field field) { return kFields[static_cast<size_t>(field)]; }
 
-// "part", "material", "color", "distance", "triangle", "point" or "normal".
+// Returns its name, for example "part" or "link_triangles".
 constexpr const char* NameOf(Field field) { return FactsOf(field).name; }
 
 // Returns whether the field is among these.
@@ -142,11 +152,25 @@ inline bool CarriesField(std::span<const Field> fields, Field field) {
   return false;
 }
 
-// The values of voxels for one field, without gaps: FieldFacts::bytes for each voxel, brick after brick, and within a
+// Returns whether a field among these has a number for each neighbor.
+inline bool CarriesLinks(std::span<const Field> fields) {
+  for (const Field one : fields) {
+    if (FactsOf(one).is_of_links()) return true;
+  }
+  return false;
+}
+
+// The values of voxels for one field, without gaps: bytes_of_voxel for each voxel, brick after brick, and within a
 // brick in lexicographic order of ijk.
 struct FieldValues {
   Field field = Field::kPart;         // the field that voxels carry
   std::vector<std::byte> bytes = {};  // little-endian
+  size_t neighbors = 0;               // of a voxel, for a field with a number for each
+
+  // Returns the numbers of a voxel.
+  size_t components() const { return FactsOf(field).is_of_links() ? neighbors : FactsOf(field).components; }
+  // Returns the bytes of a voxel.
+  size_t bytes_of_voxel() const { return components() * (FactsOf(field).type == NumberType::kUint8 ? 1 : 4); }
 
   // Returns all components. T is uint8_t, uint32_t or float, as FieldFacts::type says.
   template <class T>
@@ -202,7 +226,20 @@ enum class SolidSurface {
   kNone,        // none: every voxel's center is inside
 };
 
-// The voxels of the mesh that separate its sides. This type and the next three are sets: see VoxelizeSpec.set in the
+// The ends of links that belong to a set.
+enum class LinkSide {
+  kBoth,     // all ends
+  kInside,   // those inside of the mesh by parity; it must be closed
+  kOutside,  // those outside
+};
+
+// "both", "inside" or "outside".
+constexpr const char* NameOf(LinkSide side) {
+  constexpr const char* kNames[] = {"both", "inside", "outside"};
+  return kNames[static_cast<size_t>(side)];
+}
+
+// The voxels of the mesh that separate its sides. This type and the next four are sets: see VoxelizeSpec.set in the
 // protocol.
 struct Surface {
   bool operator==(const Surface&) const = default;
@@ -229,14 +266,21 @@ struct Band {
   bool operator==(const Band&) const = default;
 };
 
-// One set of lattice points.
-using VoxelSet = std::variant<Surface, Supercover, Solid, Band>;
+// The ends of all links between k-neighbors that the mesh crosses: see Links in the protocol.
+struct Links {
+  LinkSide side = LinkSide::kBoth;  // the ends that belong to it
+  bool operator==(const Links&) const = default;
+};
 
-// "surface", "supercover", "solid", "supercover-solid", "interior" or "band": Certificate.set of its voxels.
+// One set of lattice points.
+using VoxelSet = std::variant<Surface, Supercover, Solid, Band, Links>;
+
+// "surface", "supercover", "solid", "supercover-solid", "interior", "band" or "links": Certificate.set of its voxels.
 constexpr const char* NameOf(const VoxelSet& set) {
   if (std::holds_alternative<Surface>(set)) return "surface";
   if (std::holds_alternative<Supercover>(set)) return "supercover";
   if (std::holds_alternative<Band>(set)) return "band";
+  if (std::holds_alternative<Links>(set)) return "links";
   constexpr const char* kNames[] = {"solid", "supercover-solid", "interior"};
   return kNames[static_cast<size_t>(std::get<Solid>(set).surface)];
 }
@@ -326,6 +370,8 @@ struct Accepted {
   uint64_t tiles_in_box = 0;          // 64^3 tiles that meet index_box
   MeshFacts mesh;                     // facts from the server
   Placement placement = {};           // the one that was used
+  std::vector<Vec3i> neighbors =
+      {};  // lattice vectors, ascending, for a request with fields of links: see the protocol
 };
 
 // 8 x 8 x 8 voxels; brick_ijk is ijk >> 3. Voxel (x, y, z) of the brick is bit (y<<3 | z) of word x.

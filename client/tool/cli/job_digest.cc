@@ -104,6 +104,7 @@ Json RequestJson(const VoxelizeRequest& request) {
   if (request.region) json["region"] = {request.region->min, request.region->max};
   if (request.bounds) json["bounds"] = {request.bounds->min, request.bounds->max};
   if (const auto* band = std::get_if<Band>(&request.set)) json["band"] = {band->width, band->in_voxels};
+  if (const auto* links = std::get_if<Links>(&request.set)) json["side"] = NameOf(links->side);
   for (const Field field : request.fields) json["fields"].push_back(NameOf(field));
   if (request.signed_distance) json["signed"] = true;
   if (request.shard) json["shard"] = {request.shard->index, request.shard->count};

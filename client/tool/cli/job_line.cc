@@ -34,6 +34,7 @@ constexpr std::pair<const char*, Kind> kLineFields[] = {
     {"rule", Kind::kText},
     {"force_open", Kind::kFlag},
     {"band", Kind::kNumberOrText},
+    {"side", Kind::kText},
     {"fields", Kind::kTexts},
     {"signed", Kind::kFlag},
     {"alpha_cutoff", Kind::kNumber},

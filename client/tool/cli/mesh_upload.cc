@@ -60,7 +60,8 @@ absl::StatusOr<MeshUpload> PrepareDraco(const VoxelizeOptions& options, const Ca
 
 // Draco changes the order of triangles.
 bool NeedsOrder(const std::vector<Field>& fields) {
-  return CarriesField(fields, Field::kTriangle) || CarriesField(fields, Field::kPoint);
+  return CarriesField(fields, Field::kTriangle) || CarriesField(fields, Field::kPoint) ||
+         CarriesField(fields, Field::kLinkTriangles);
 }
 
 // Returns whether the tool itself colors voxels, or leaves some out.

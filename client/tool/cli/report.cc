@@ -79,6 +79,7 @@ std::string SeparationText(const Certificate& certificate) {
   if (const auto& band = certificate.band) return absl::StrFormat("band of %g", band->width);
   const std::string k = absl::StrCat(certificate.separability);
   if (certificate.set == "interior") return "interior";
+  if (certificate.set == "links") return absl::StrCat("ends of links, k = ", k);
   if (!certificate.tunnel_free) return absl::StrCat("k = ", k, ", ", certificate.algorithm);
   if (certificate.set == "supercover" || certificate.set == "supercover-solid") return "supercover";
   return absl::StrCat(k, "-separating", certificate.minimal ? ", minimal" : "");

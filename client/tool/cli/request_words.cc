@@ -23,6 +23,12 @@ const Names<InteriorRule>& RuleNames() {
   return *kNames;
 }
 
+const Names<LinkSide>& SideNames() {
+  static const auto* const kNames =
+      new Names<LinkSide>{{"both", LinkSide::kBoth}, {"inside", LinkSide::kInside}, {"outside", LinkSide::kOutside}};
+  return *kNames;
+}
+
 const Names<Placement>& PlacementNames() {
   static const auto* const kNames = new Names<Placement>{{"points", Placement::kPoints}, {"cells", Placement::kCells}};
   return *kNames;

@@ -14,6 +14,7 @@ enum class UploadForm { kAuto, kRaw, kDraco };
 const Names<NamedLattice>& LatticeNames();
 const Names<Algorithm>& AlgorithmNames();
 const Names<InteriorRule>& RuleNames();
+const Names<LinkSide>& SideNames();
 const Names<Placement>& PlacementNames();  // the default depends on the set
 const Names<UploadForm>& UploadNames();
 const Names<BrickEncoding>& EncodingNames();

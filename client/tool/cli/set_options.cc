@@ -58,7 +58,8 @@ const Names<VoxelSet>& SetNames() {
                           {"solid", Solid{}},
                           {"supercover-solid", Solid{.surface = SolidSurface::kSupercover}},
                           {"interior", Solid{.surface = SolidSurface::kNone}},
-                          {"band", Band{}}};
+                          {"band", Band{}},
+                          {"links", Links{}}};
   return *kNames;
 }
 
@@ -75,7 +76,7 @@ InteriorRule RuleOf(const VoxelizeWords& words) {
 
 // A field of a triangle's number or place in its list is about the triangles as sent. Draco changes their order.
 void CheckOrder(const VoxelizeOptions& options) {
-  for (const Field field : {Field::kTriangle, Field::kPoint}) {
+  for (const Field field : {Field::kTriangle, Field::kPoint, Field::kLinkTriangles}) {
     if (!CarriesField(options.request.fields, field)) continue;
     if (options.upload == UploadForm::kDraco) {
       Refuse("--fields: ", NameOf(field), " needs --upload raw; Draco changes the order of triangles");
@@ -119,7 +120,8 @@ std::vector<OptionRow> SetRows(VoxelizeWords& words) {
        .words = WordsOf(SetNames()),
        .word_help = {"the fewest voxels of the mesh that let no path through", "all voxels whose cell meets the mesh",
                      "surface and interior of a closed mesh", "supercover and interior",
-                     "only points whose center is inside", "all points near the mesh, see --band"},
+                     "only points whose center is inside", "all points near the mesh, see --band",
+                     "both ends of every link between neighbors that the mesh crosses"},
        .standard = "surface; band with --band"},
       {.names = "--rule",
        .target = &words.rule,
@@ -137,10 +139,16 @@ std::vector<OptionRow> SetRows(VoxelizeWords& words) {
        .help = "Width of a band: all points within distance W of the mesh, or within W voxel sizes (Wv)",
        .value = "W|Wv",
        .checks = {{CheckBand}}},
+      {.names = "--side",
+       .target = &words.side,
+       .help = "Ends of links that belong to --set links; for one side, the mesh must be closed",
+       .words = WordsOf(SideNames()),
+       .word_help = {"all", "only those inside", "only those outside"},
+       .standard = "both"},
       {.names = "--fields",
        .target = &words.fields,
-       .help = "What each voxel carries, from its nearest triangle: part, material, color, distance, triangle, point, "
-               "normal, or a list",
+       .help = "What each voxel carries: from its nearest triangle part, material, color, distance, triangle, point, "
+               "normal; for each neighbor links, link_triangles, link_crossings; or a list",
        .value = "NAME,...",
        .checks = {{CheckFields}},
        .standard = "distance for a band, otherwise none"},
@@ -165,6 +173,11 @@ VoxelSet InterpretSet(const VoxelizeWords& words) {
     *band = *ParseBand(words.band);
   } else if (!words.band.empty()) {
     Refuse("--band: needs --set band, not ", name);
+  }
+  if (auto* links = std::get_if<Links>(&set)) {
+    if (!words.side.empty()) links->side = ValueNamed(SideNames(), words.side);
+  } else if (!words.side.empty()) {
+    Refuse("--side: needs --set links, not ", name);
   }
   if (auto* solid = std::get_if<Solid>(&set)) {
     solid->rule = RuleOf(words);

@@ -1,4 +1,4 @@
-// The options of the set and of the fields: --set, --rule, --force-open, --band, --signed and --fields.
+// The options of the set and of the fields: --set, --rule, --force-open, --band, --side, --signed and --fields.
 #ifndef LATVOX_CLIENT_TOOL_CLI_SET_OPTIONS_H_
 #define LATVOX_CLIENT_TOOL_CLI_SET_OPTIONS_H_
 

@@ -33,7 +33,7 @@ void ForEachCommonVoxel(const std::vector<Brick>& a, const std::vector<Brick>& b
 }  // namespace
 
 bool CommonField::Differs(size_t m, size_t n) const {
-  return std::memcmp(BytesAt(*a, m), BytesAt(*b, n), FactsOf(a->field).bytes()) != 0;
+  return std::memcmp(BytesAt(*a, m), BytesAt(*b, n), a->bytes_of_voxel()) != 0;
 }
 
 bool ValueDifference::equal() const {

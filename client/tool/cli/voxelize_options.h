@@ -40,7 +40,7 @@ struct VoxelizeOptions {
 struct VoxelizeWords : MeshWords {
   VoxelizeOptions options;  // partly filled by parsing
   std::string lattice, basis, voxel_size, resolution, origin, region, bounds, shard, quantization = "auto";
-  std::string output_format, npy, separability, algorithm, upload, encoding, set, rule, placement, band, fields,
+  std::string output_format, npy, separability, algorithm, upload, encoding, set, rule, placement, band, side, fields,
       alpha_cutoff;
   bool force_open = false, is_signed = false;
   std::optional<bool> minimal;

@@ -149,7 +149,9 @@ bool IsBoxOf(const std::vector<Brick>& bricks, const IndexBox& box) {
 
 bool AreValues(const FieldValues& values, uint64_t voxels) {
   const FieldFacts& facts = FactsOf(values.field);
-  if (values.bytes.size() / facts.bytes() != voxels || values.bytes.size() % facts.bytes() != 0) return false;
+  if (facts.is_of_links()) return false;  // no grid holds them
+  const size_t bytes = values.bytes_of_voxel();
+  if (values.bytes.size() / bytes != voxels || values.bytes.size() % bytes != 0) return false;
   const auto is_finite = [](float x) { return std::isfinite(x); };
   const std::span<const float> floats = values.As<float>();
   return facts.type != NumberType::kFloat32 || std::all_of(floats.begin(), floats.end(), is_finite);

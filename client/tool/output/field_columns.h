@@ -6,13 +6,16 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <vector>
 
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "latvox/types.h"
 
 namespace latvox::client {
 
 struct FieldColumns {
-  std::array<const char*, 3> names;  // one for each component; the rest are null
+  std::array<const char*, 3> names;  // one for each component; the rest are null. Of links: the beginning of each
 };
 
 // In the order of kFields. A new field is one more row.
@@ -22,14 +25,23 @@ inline constexpr std::array<FieldColumns, kFields.size()> kFieldColumns{{{{"part
                                                                          {{"distance"}},
                                                                          {{"triangle"}},
                                                                          {{"u", "v"}},
-                                                                         {{"nx", "ny", "nz"}}}};
+                                                                         {{"nx", "ny", "nz"}},
+                                                                         {{"link"}},
+                                                                         {{"link_triangle"}},
+                                                                         {{"link_crossings"}}}};
 
-// Returns the name of a component's column.
-constexpr const char* ColumnOf(Field field, size_t component) {
-  return kFieldColumns[static_cast<size_t>(field)].names[component];
+// Returns the names of a field's columns. Those of links end in the neighbor's lattice vector: link_-1_0_1.
+inline std::vector<std::string> ColumnsOf(Field field, const std::vector<Vec3i>& neighbors) {
+  std::vector<std::string> columns;
+  const auto& names = kFieldColumns[static_cast<size_t>(field)].names;
+  for (size_t n = 0; n < FactsOf(field).components; ++n) columns.emplace_back(names[n]);
+  if (!FactsOf(field).is_of_links()) return columns;
+  for (const Vec3i& q : neighbors) columns.push_back(absl::StrCat(names[0], "_", absl::StrJoin(q, "_")));
+  return columns;
 }
 
-// Returns the type of a component in numpy: "<i4", "u1" or "<f4". Numbers are below 2^31.
+// Returns the type of a component in numpy: "<i4", "u1" or "<f4". Numbers are below 2^31, and -1 means that there is no
+// triangle.
 constexpr const char* NumpyTypeOf(Field field) {
   const NumberType type = FactsOf(field).type;
   return type == NumberType::kUint8 ? "u1" : type == NumberType::kUint32 ? "<i4" : "<f4";
@@ -37,13 +49,13 @@ constexpr const char* NumpyTypeOf(Field field) {
 
 // Returns the bytes of a voxel's field.
 inline const char* BytesAt(const FieldValues& values, size_t voxel) {
-  return reinterpret_cast<const char*>(&values.bytes[voxel * FactsOf(values.field).bytes()]);
+  return reinterpret_cast<const char*>(&values.bytes[voxel * values.bytes_of_voxel()]);
 }
 
 // Appends the field of a voxel to other values of the same field.
 inline void AppendVoxel(const FieldValues& from, size_t voxel, FieldValues& to) {
-  const std::byte* const first = &from.bytes[voxel * FactsOf(from.field).bytes()];
-  to.bytes.insert(to.bytes.end(), first, first + FactsOf(from.field).bytes());
+  const std::byte* const first = &from.bytes[voxel * from.bytes_of_voxel()];
+  to.bytes.insert(to.bytes.end(), first, first + from.bytes_of_voxel());
 }
 
 // Returns the number of a voxel in a field of integers; of a color, red << 16 | green << 8 | blue.

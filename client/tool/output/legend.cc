@@ -60,7 +60,7 @@ Legend LegendOf(const GridContent& content, ColorBy by, size_t most) {
   for (const FieldValues& values : content.fields) {
     if (absl::string_view(NameOf(values.field)) != NameOf(by)) continue;
     std::map<uint32_t, uint64_t> counts;
-    const size_t all = values.bytes.size() / FactsOf(values.field).bytes();
+    const size_t all = values.bytes.size() / values.bytes_of_voxel();
     for (size_t n = 0; n < all; ++n) ++counts[NumberAt(values, n)];
     std::vector<std::pair<uint32_t, uint64_t>> rows(counts.begin(), counts.end());
     const auto is_more = [](const auto& a, const auto& b) { return a.second > b.second; };

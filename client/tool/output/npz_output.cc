@@ -1,5 +1,6 @@
 #include "client/tool/output/npz_output.h"
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 #include <limits>
@@ -11,6 +12,7 @@
 #include "client/tool/output/field_columns.h"
 #include "client/tool/output/npy_header.h"
 #include "client/tool/output/zip_writer.h"
+#include "latvox/for_each_voxel.h"
 
 namespace latvox::client {
 namespace {
@@ -25,6 +27,23 @@ ZipMember Small(const std::string& name, std::string bytes) {
   const uint64_t size = bytes.size();
   const auto rest = std::make_shared<std::string>(std::move(bytes));
   return {name + ".npy", size, [rest](std::string& chunk) { chunk = std::exchange(*rest, {}); }};
+}
+
+// Returns a member that copies an array piece by piece. `array` must live until it is written.
+template <class T>
+ZipMember Rows(const std::string& name, std::string header, const std::vector<T>& array) {
+  static constexpr size_t kPiece = size_t{1} << 20;
+  const uint64_t size = header.size() + array.size() * sizeof(T);
+  const auto rest = std::make_shared<std::string>(std::move(header));
+  return {name + ".npy", size, [rest, &array, done = size_t{0}](std::string& chunk) mutable {
+            if (!rest->empty()) {
+              chunk = std::exchange(*rest, {});
+              return;
+            }
+            const size_t now = std::min(kPiece, array.size() * sizeof(T) - done);
+            chunk.assign(reinterpret_cast<const char*>(array.data()) + done, now);
+            done += now;
+          }};
 }
 
 // One array over all lattice points of a box.
@@ -61,6 +80,7 @@ class NpzOutput final : public Output {
 
   absl::Status Begin(const Accepted& accepted) override {
     grid_ = accepted.grid;
+    neighbors_ = accepted.neighbors;
     uint64_t element = 1;
     for (const DenseArray& array : Arrays()) element = std::max<uint64_t>(element, array.empty.size());
     return box_.SetBox(accepted.index_box, element, file_->target());
@@ -68,6 +88,7 @@ class NpzOutput final : public Output {
 
   absl::Status Add(const BrickBatch& batch) override {
     box_.Add(batch);
+    if (!neighbors_.empty()) ForEachVoxel(batch, [this](const Voxel& voxel) { ijk_.push_back(voxel.ijk); });
     for (size_t n = 0; n < fields_.size(); ++n) {
       const std::vector<std::byte>& more = batch.fields[n].bytes;
       fields_[n].bytes.insert(fields_[n].bytes.end(), more.begin(), more.end());
@@ -79,6 +100,7 @@ class NpzOutput final : public Output {
     box_.Sort();
     std::vector<ZipMember> members;
     for (const DenseArray& array : Arrays()) members.push_back(Dense(array, box_));
+    if (!neighbors_.empty()) AddLinks(members);
     AddPlace(members);
     if (auto status = WriteZip(members, *file_); !status.ok()) return status;
     return file_->Sync();
@@ -92,13 +114,29 @@ class NpzOutput final : public Output {
         {"data", "'|u1'", 1, std::string(1, '\0'), [](uint64_t, char* element) { *element = 1; }}};
     for (const FieldValues& values : fields_) {
       const FieldFacts& facts = FactsOf(values.field);
+      if (facts.is_of_links()) continue;
       std::string empty;
       for (size_t n = 0; n < facts.components; ++n) empty += EmptyOf(facts.type);
-      arrays.push_back(
-          {facts.name, absl::StrCat("'", NumpyTypeOf(facts.field), "'"), facts.components, empty,
-           [&values, bytes = facts.bytes()](uint64_t n, char* to) { std::memcpy(to, BytesAt(values, n), bytes); }});
+      arrays.push_back({facts.name, absl::StrCat("'", NumpyTypeOf(facts.field), "'"), facts.components, empty,
+                        [&values, bytes = values.bytes_of_voxel()](uint64_t n, char* to) {
+                          std::memcpy(to, BytesAt(values, n), bytes);
+                        }});
     }
     return arrays;
+  }
+
+  // Adds fields of links: a row for each voxel, and none for other points of the box, which would be most of the file.
+  void AddLinks(std::vector<ZipMember>& members) const {
+    const uint64_t rows = ijk_.size(), columns = neighbors_.size();
+    const auto integers = [](uint64_t count) { return NpyHeader("'<i4'", std::array<uint64_t, 2>{count, 3}); };
+    members.push_back(Rows("ijk", integers(rows), ijk_));
+    members.push_back(Rows("neighbors", integers(columns), neighbors_));
+    for (const FieldValues& values : fields_) {
+      if (!FactsOf(values.field).is_of_links()) continue;
+      const std::string type = absl::StrCat("'", NumpyTypeOf(values.field), "'");
+      members.push_back(
+          Rows(NameOf(values.field), NpyHeader(type, std::array<uint64_t, 2>{rows, columns}), values.bytes));
+    }
   }
 
   // Adds the arrays that say where the elements are.
@@ -120,6 +158,8 @@ class NpzOutput final : public Output {
   GridTransform grid_;
   DenseBox box_;
   std::vector<FieldValues> fields_;  // in the order of Add
+  std::vector<Vec3i> neighbors_;     // for fields of links
+  std::vector<Vec3i> ijk_;           // of the voxels, with fields of links
 };
 
 }  // namespace

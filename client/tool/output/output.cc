@@ -155,7 +155,7 @@ using NewOutput = std::unique_ptr<Output> (*)(std::unique_ptr<AtomicFile>, const
                                               const OutputOptions&);
 
 // The fields that a format holds or shows.
-enum class Holds { kNone, kColor, kAll };
+enum class Holds { kNone, kColor, kFixed, kAll };  // kFixed: those whose size does not depend on the lattice
 
 struct Format {
   const char* extension;
@@ -167,14 +167,14 @@ struct Format {
 constexpr char kCsv[] = ".csv", kNpy[] = ".npy", kPly[] = ".ply";
 
 constexpr Format kFormats[] = {
-    {".vdb", NewVdbOutput, Holds::kAll},
+    {".vdb", NewVdbOutput, Holds::kFixed},
     {".nvdb", NewNvdbOutput, Holds::kNone},
     {kCsv, NewTable<kCsv>, Holds::kAll},
     {kNpy, NewNpyOutput, Holds::kAll, /*is_placed=*/false},
     {".npz", NewArchiveOutput, Holds::kAll},
     {kPly, NewTable<kPly>, Holds::kAll},
-    {".png", NewPngOutput, Holds::kAll, /*is_placed=*/false},
-    {".html", NewHtmlOutput, Holds::kAll},
+    {".png", NewPngOutput, Holds::kFixed, /*is_placed=*/false},
+    {".html", NewHtmlOutput, Holds::kFixed},
     {".glb", NewPlainOutput<NewGlbOutput>, Holds::kColor},
     {".binvox", NewPlainOutput<NewBinvoxOutput>, Holds::kNone},
     {".vox", NewPlainOutput<NewVoxOutput>, Holds::kNone, /*is_placed=*/false},
@@ -182,6 +182,7 @@ constexpr Format kFormats[] = {
 
 bool CanHold(const Format& format, const std::vector<Field>& fields) {
   if (fields.empty() || format.holds == Holds::kAll) return true;
+  if (format.holds == Holds::kFixed) return !CarriesLinks(fields);
   return format.holds == Holds::kColor && fields == std::vector<Field>{Field::kColor};
 }
 

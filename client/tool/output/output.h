@@ -70,11 +70,12 @@ std::optional<Warning> WarningOfPlace(const std::vector<std::string>& paths);
 //   .html  page, as that of the .vdb
 //   .glb   surface, see client/tool/output/surface_output.h
 //   .binvox, .vox   boxes of cubes, see client/tool/output/box_output.h
-// A request with fields needs one of ExtensionsFor. Columns are those of client/tool/output/field_columns.h:
+// A request with fields needs one of ExtensionsFor: fields of links fit .csv, .npy, .npz and .ply alone. Columns are
+// those of client/tool/output/field_columns.h:
 //   .vdb   one more grid for each, see latvox/grid/field_grids.h; a band with distances alone, see distance_grid.h
 //   .csv   further columns, floats with 9 significant digits; part_name, material_name, if there are names
 //   .npy   structured array: ijk, three int32, and one member for each field, with its name
-//   .npz   one more array for each, with its name
+//   .npz   one more array for each, with its name; for fields of links, of the voxels alone, with ijk and neighbors
 //   .ply   further properties
 //   .png   picture of voxels in their colors, otherwise by material, otherwise by part; of a band with distances, the
 //          voxels nearest to the surface, see client/tool/output/picture_scene.h

@@ -164,7 +164,7 @@ class GlbOutput final : public Output {
   absl::Status Add(const BrickBatch& batch) override {
     bricks_.insert(bricks_.end(), batch.bricks.begin(), batch.bricks.end());
     if (const FieldValues* colors = FindField(batch.fields, Field::kColor)) {
-      const size_t voxels = colors->bytes.size() / FactsOf(Field::kColor).bytes();
+      const size_t voxels = colors->bytes.size() / colors->bytes_of_voxel();
       for (size_t n = 0; n < voxels; ++n) colors_.push_back(NumberAt(*colors, n));
     }
     return absl::OkStatus();

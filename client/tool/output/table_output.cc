@@ -28,6 +28,7 @@ class TableOutput : public Output {
 
   absl::Status Begin(const Accepted& accepted) final {
     grid_ = accepted.grid;
+    neighbors_ = accepted.neighbors;
     return file_->Append(Header(0));
   }
 
@@ -53,6 +54,7 @@ class TableOutput : public Output {
 
  protected:
   const std::vector<Field> fields_;
+  std::vector<Vec3i> neighbors_;  // for fields of links
 
  private:
   using Fields = std::span<const FieldValues>;
@@ -73,15 +75,15 @@ void AppendBinary(const T& value, std::string& rows) {
 }
 
 void AppendBinary(std::span<const FieldValues> fields, size_t voxel, std::string& rows) {
-  for (const FieldValues& values : fields) rows.append(BytesAt(values, voxel), FactsOf(values.field).bytes());
+  for (const FieldValues& values : fields) rows.append(BytesAt(values, voxel), values.bytes_of_voxel());
 }
 
 // Joins one text for each component of each field.
-std::string ForEachColumn(const std::vector<Field>& fields,
-                          const std::function<std::string(Field field, const char* name)>& text_of) {
+std::string ForEachColumn(const std::vector<Field>& fields, const std::vector<Vec3i>& neighbors,
+                          const std::function<std::string(Field field, const std::string& name)>& text_of) {
   std::string text;
   for (const Field field : fields) {
-    for (size_t n = 0; n < FactsOf(field).components; ++n) text += text_of(field, ColumnOf(field, n));
+    for (const std::string& name : ColumnsOf(field, neighbors)) text += text_of(field, name);
   }
   return text;
 }
@@ -89,14 +91,15 @@ std::string ForEachColumn(const std::vector<Field>& fields,
 // Appends the components of a voxel's field, each with a comma behind it. Floats have 9 digits, which identify them.
 void AppendText(const FieldValues& values, size_t voxel, std::string& rows) {
   const FieldFacts& facts = FactsOf(values.field);
-  for (size_t n = voxel * facts.components; n < (voxel + 1) * facts.components; ++n) {
+  const size_t components = values.components();
+  for (size_t n = voxel * components; n < (voxel + 1) * components; ++n) {
     char text[32];
     char* end = text;
     if (facts.type == NumberType::kFloat32) {
       end = std::to_chars(text, text + sizeof(text), values.As<float>()[n], std::chars_format::general, 9).ptr;
     } else {
-      const uint32_t number =
-          facts.type == NumberType::kUint8 ? uint32_t{values.As<uint8_t>()[n]} : values.As<uint32_t>()[n];
+      const int32_t number = facts.type == NumberType::kUint8 ? int32_t{values.As<uint8_t>()[n]}
+                                                              : static_cast<int32_t>(values.As<uint32_t>()[n]);
       end = std::to_chars(text, text + sizeof(text), number).ptr;
     }
     *end++ = ',';
@@ -127,8 +130,8 @@ class CsvOutput final : public TableOutput {
 
  private:
   std::string Header(uint64_t) const override {
-    const auto column = [](Field, const char* name) { return absl::StrCat(",", name); };
-    return absl::StrCat("i,j,k,x,y,z", ForEachColumn(fields_, column),
+    const auto column = [](Field, const std::string& name) { return absl::StrCat(",", name); };
+    return absl::StrCat("i,j,k,x,y,z", ForEachColumn(fields_, neighbors_, column),
                         absl::StrJoin(names_, "",
                                       [this](std::string* out, const auto& named) {
                                         absl::StrAppend(out, ",", NameOf(fields_[named.first]), "_name");
@@ -170,7 +173,7 @@ class NpyOutput final : public TableOutput {
     if (fields_.empty()) return NpyHeader("'<i4'", std::array<uint64_t, 2>{rows, 3});
     std::string type = "[('ijk', '<i4', (3,))";
     for (const Field field : fields_) {
-      const size_t components = FactsOf(field).components;
+      const size_t components = ColumnsOf(field, neighbors_).size();
       absl::StrAppend(&type, ", ('", NameOf(field), "', '", NumpyTypeOf(field), "'",
                       components > 1 ? absl::StrCat(", (", components, ",)") : "", ")");
     }
@@ -191,7 +194,7 @@ class PlyOutput final : public TableOutput {
  private:
   std::string Header(uint64_t rows) const override {
     const std::string count = absl::StrCat(rows);
-    const auto property = [](Field field, const char* name) {
+    const auto property = [](Field field, const std::string& name) {
       const NumberType type = FactsOf(field).type;
       const char* const word = type == NumberType::kUint8 ? "uchar" : type == NumberType::kUint32 ? "int" : "float";
       return absl::StrCat("property ", word, " ", name, "\n");
@@ -201,7 +204,7 @@ class PlyOutput final : public TableOutput {
                         std::string(20 - count.size(), ' '), "\nelement vertex ", count,
                         "\nproperty double x\nproperty double y\nproperty double z\n"
                         "property int i\nproperty int j\nproperty int k\n",
-                        ForEachColumn(fields_, property), "end_header\n");
+                        ForEachColumn(fields_, neighbors_, property), "end_header\n");
   }
 
   void AppendRow(const Vec3i& ijk, const Vec3d& world, std::span<const FieldValues> fields, size_t voxel,

@@ -111,7 +111,7 @@ absl::StatusOr<std::vector<uint32_t>> ColorsOf(const BrickBatch& batch, const Vo
   if (values == nullptr || (by == ColorBy::kDistance && !traits.distances)) {
     return absl::InvalidArgumentError(absl::StrCat("the voxels have no ", NameOf(by)));
   }
-  const size_t voxels = values->bytes.size() / FactsOf(values->field).bytes();
+  const size_t voxels = values->bytes.size() / values->bytes_of_voxel();
   colors.reserve(voxels);
   for (size_t n = 0; n < voxels; ++n) colors.push_back(ColorAt(*values, n, by, traits));
   return colors;

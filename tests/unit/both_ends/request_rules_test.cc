@@ -95,6 +95,14 @@ std::vector<Spelling> SetSpellings() {
   };
 }
 
+std::vector<Spelling> LinkSpellings() {
+  return {{"links",
+           [](VoxelizeOptions& o) { o.set = Links{}; },
+           [](v1::VoxelizeSpec& s) { s.mutable_links(); },
+           [](client::VoxelizeRequest& r) { r.set = client::Links{}; },
+           {"--set", "links"}}};
+}
+
 std::vector<Spelling> PartSpellings() {
   using Core = VoxelizeOptions;
   using Proto = v1::VoxelizeSpec;
@@ -154,6 +162,7 @@ std::vector<Spelling> PartSpellings() {
 
 std::vector<Spelling> Spellings() {
   std::vector<Spelling> all = SetSpellings();
+  for (Spelling& spelling : LinkSpellings()) all.push_back(std::move(spelling));
   for (Spelling& spelling : PartSpellings()) all.push_back(std::move(spelling));
   return all;
 }

@@ -207,6 +207,7 @@ TEST_F(Grid, EveryFieldIsReadBackAsItWasWritten) {
   std::vector<FieldValues> fields;
   std::vector<Field> names;
   for (const FieldFacts& row : kFields) {
+    if (row.is_of_links()) continue;  // no grid holds them
     names.push_back(row.field);
     if (row.type == NumberType::kFloat32) {
       fields.push_back(ValuesOf<float>(row.field, {0.25F, -0.5F, 0.125F, 1, 0, 0.75F}));
@@ -215,7 +216,7 @@ TEST_F(Grid, EveryFieldIsReadBackAsItWasWritten) {
     } else {
       fields.push_back(ValuesOf<uint8_t>(row.field, {0, 7, 255, 254, 1, 128}));
     }
-    fields.back().bytes.resize(2 * row.bytes());
+    fields.back().bytes.resize(2 * fields.back().bytes_of_voxel());
   }
   FieldGrids grids(kSkew, names);
   ASSERT_TRUE(grids.Add({{&brick, 1}, 1, fields}).ok());

@@ -5,12 +5,14 @@
 
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <cstring>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "latvox/error.h"
+#include "latvox/for_each_voxel.h"
 #include "tests/unit/client/fake_server.h"
 
 namespace latvox::client {
@@ -192,6 +194,56 @@ TEST(FieldsCall, EveryWrongValueIsDataLossThatNamesIt) {
   breach(without_signs, AnswersWith(Good()), "a distance of -2 without signs");
   nothing.fields.clear();
   breach(nothing, AnswersWith(Good()), "a batch with 3 fields, not 0");
+}
+
+// Fields of links, with two neighbors.
+TEST(FieldsCall, HaveANumberForEachNeighbor) {
+  VoxelizeRequest asked;
+  asked.set = Links{LinkSide::kBoth};
+  asked.fields = {Field::kLinks, Field::kLinkTriangles, Field::kLinkCrossings};
+  const Columns good = {{Bytes<float>({NAN, 1}), Bytes<float>({0x1p-126F, NAN, 1, 1, 1, 1, 1, 1, 1, 0.5F})},
+                        {Bytes<uint32_t>({UINT32_MAX, 6}), Bytes<uint32_t>({0, UINT32_MAX, 2, 2, 2, 2, 2, 2, 2, 2})},
+                        {Bytes<uint32_t>({0, 7}), Bytes<uint32_t>({1, 0, 1, 1, 1, 1, 1, 1, 1, 2})}};
+  const auto answers_with = [](const Columns& columns) {
+    Answers answers = AnswersWith(columns);
+    for (const int32_t i : {-1, 1}) answers.accepted.mutable_accepted()->add_neighbors()->set_i(i);
+    v1::Certificate& certificate = *answers.summary.mutable_summary()->mutable_certificate();
+    certificate.set_set("links");
+    certificate.clear_band();
+    certificate.set_signed_distance(false);
+    constexpr v1::Field kNumbers[] = {v1::FIELD_LINKS, v1::FIELD_LINK_TRIANGLES, v1::FIELD_LINK_CROSSINGS};
+    for (int n = 0; n < 3; ++n) certificate.mutable_fields(n)->set_field(kNumbers[n]);
+    return answers;
+  };
+  const auto all = Call(asked, answers_with(good).All());
+  ASSERT_TRUE(all.ok()) << all.status();
+  EXPECT_EQ(all->accepted.neighbors, (std::vector<Vec3i>{{-1, 0, 0}, {1, 0, 0}}));
+  EXPECT_EQ(all->fields[1].components(), 2U);
+  ForEachVoxel(*all, [](const Voxel& voxel) {
+    if (voxel.number == 5) EXPECT_THAT(voxel.Of<float>(Field::kLinks), ElementsAre(1, 0.5F));
+  });
+  const auto breach = [&](size_t field, const std::string& first, const char* says) {
+    Columns columns = good;
+    columns[field].first = first;
+    const absl::Status status = Call(asked, answers_with(columns).All()).status();
+    EXPECT_EQ(status.code(), absl::StatusCode::kDataLoss);
+    EXPECT_THAT(std::string(status.message()), HasSubstr(says));
+  };
+  breach(0, Bytes<float>({0, 1}), "the field links has the value 0");
+  breach(0, Bytes<float>({NAN, 1.0000001F}), "the field links has the value 1");
+  breach(1, Bytes<uint32_t>({UINT32_MAX, 7}), "the field link_triangles has the value 7");
+  breach(2, Bytes<uint32_t>({0, 8}), "the field link_crossings has the value 8");
+  const auto neighbors = [&](const std::vector<int32_t>& numbers, const char* says) {
+    Answers answers = answers_with(good);
+    answers.accepted.mutable_accepted()->clear_neighbors();
+    for (const int32_t i : numbers) answers.accepted.mutable_accepted()->add_neighbors()->set_i(i);
+    EXPECT_THAT(std::string(Call(asked, answers.All()).status().message()), HasSubstr(says));
+  };
+  neighbors({}, "0 neighbors");
+  neighbors({1, -1}, "neighbor 1 is -1,0,0");
+  neighbors({-1, 2}, "neighbor 0 is -1,0,0");
+  neighbors({-1, -1, 1, 1}, "neighbor 1 is -1,0,0");
+  neighbors(std::vector<int32_t>(28, 0), "28 neighbors, over 26");
 }
 
 // The first stream breaks after its first tile. The second one brings the rest, and counts and digests of the rest

@@ -83,6 +83,16 @@ TEST(Rules, SayWhichTwoOptionsDoNotGoTogether) {
   EXPECT_EQ(RefusalOf({.separability = 2, .set = Solid{.surface = SolidSurface::kNone}}),
             (Words{"separability 2: not together with solid.surface none, which has no voxels of the surface",
                    "separability", "2", ""}));
+  EXPECT_EQ(RefusalOf({.minimal = true, .set = Links{}}),
+            (Words{"minimal: not together with links, which is not thinned", "minimal", "", ""}));
+}
+
+// Links depend on it, whatever the set.
+TEST(Rules, AllowSeparabilityForEverySetWithFieldsOfLinks) {
+  for (const SetOption& set : {SetOption{Band{1, true}}, SetOption{Solid{.surface = SolidSurface::kNone}}}) {
+    EXPECT_FALSE(MakeRequest({.separability = 1, .set = set}).ok());
+    EXPECT_TRUE(MakeRequest({.separability = 1, .set = set, .fields = {Field::kLinkCrossings}}).ok());
+  }
 }
 
 TEST(Rules, EachExclusionStandsOnceAndNamesTwoOptions) {
@@ -130,6 +140,10 @@ TEST(MakeRequest, PutsEachSetIntoItsAlternative) {
   EXPECT_TRUE(band.surface() == nullptr && band.solid() == nullptr && band.band() != nullptr);
   EXPECT_TRUE(band.signed_distance);
   EXPECT_EQ(band.algorithm(), Algorithm::kExact);
+  const VoxelRequest links = *MakeRequest({.separability = 1, .set = Links{LinkSide::kOutside}});
+  EXPECT_TRUE(links.surface() == nullptr && links.solid() == nullptr && links.band() == nullptr);
+  EXPECT_EQ(links.links()->side, LinkSide::kOutside);
+  EXPECT_FALSE(links.is_minimal());
 }
 
 TEST(MakeGridRequest, WantsASamplingOfANamedLatticeAlone) {

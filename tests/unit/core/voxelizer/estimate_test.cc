@@ -60,6 +60,19 @@ TEST(EstimateVoxels, CountsNeedlesByTheirLength) {
   }
 }
 
+TEST(EstimateVoxels, CountsBothEndsOfLinks) {
+  const TriangleMesh mesh = Sphere(40, 100);
+  const Grid grid = Unscaled(Lattice::Named(NamedLattice::kCartesian));
+  for (const LinkSide side : {LinkSide::kBoth, LinkSide::kOutside}) {
+    const VoxelizeOptions options{.set = Links{side}, .fields = {Field::kLinks}};
+    const auto voxels = static_cast<double>(Voxelize(mesh, grid, options).totals.voxels);
+    const double estimate = EstimateVoxels(mesh, ExtentOf(mesh), grid, *MakeRequest(options));
+    EXPECT_GE(estimate, voxels);
+    EXPECT_LE(estimate, 3 * voxels);
+    EXPECT_GT(EstimateVisits(mesh, ExtentOf(mesh), grid, *MakeRequest(options)), 10 * voxels);
+  }
+}
+
 TEST(EstimateVisits, CountThinningWhereTrianglesFillAVolume) {
   const Grid grid = Unscaled(Lattice::Named(NamedLattice::kCartesian));
   const auto visits = [&](const TriangleMesh& mesh, bool minimal) {

@@ -36,7 +36,7 @@ TileBricks Tile(int32_t i, size_t bricks, double progress) {
 }
 
 TEST(BrickBatcher, WritesCoordinatesAndMasksInTheContractsForm) {
-  BrickBatcher batcher(BrickEncoding::kMasks, {});
+  BrickBatcher batcher(BrickEncoding::kMasks);
   EXPECT_TRUE(batcher.empty());
   batcher.Add(Tile(-2, 3, 0.5));
   EXPECT_FALSE(batcher.empty());
@@ -50,7 +50,7 @@ TEST(BrickBatcher, WritesCoordinatesAndMasksInTheContractsForm) {
 }
 
 TEST(BrickBatcher, FillsMessagesOfAQuarterToOneMebibyteAfterThreeSmallOnes) {
-  BrickBatcher batcher(BrickEncoding::kMasks, {});
+  BrickBatcher batcher(BrickEncoding::kMasks);
   int batches = 0;
   for (int n = 0; n < 200; ++n) {
     batcher.Add(Tile(n, 512, n / 200.0));
@@ -64,7 +64,7 @@ TEST(BrickBatcher, FillsMessagesOfAQuarterToOneMebibyteAfterThreeSmallOnes) {
 }
 
 TEST(BrickBatcher, NeverTakesProgressBack) {
-  BrickBatcher batcher(BrickEncoding::kMasks, {});
+  BrickBatcher batcher(BrickEncoding::kMasks);
   double last = 0;
   for (const double progress : {0.3, 0.2, 0.9, 0.1, 1.5, 0.4}) {
     batcher.Add(Tile(0, 1, progress));

@@ -1,0 +1,16 @@
+// Links: the ends of all lattice links that a mesh crosses.
+#ifndef LATVOX_CORE_REQUEST_LINKS_H_
+#define LATVOX_CORE_REQUEST_LINKS_H_
+
+namespace latvox {
+
+// The ends that belong to the set. For the inside, parity decides, because it agrees with the numbers of crossings.
+enum class LinkSide { kBoth, kInside, kOutside };
+
+struct Links {
+  LinkSide side = LinkSide::kBoth;  // other than kBoth: the mesh must be closed
+};
+
+}  // namespace latvox
+
+#endif  // LATVOX_CORE_REQUEST_LINKS_H_
