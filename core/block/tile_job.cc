@@ -27,6 +27,8 @@ void FindSurface(const TileContext& context, const TileNode& node, BlockScan& sc
   }
 }
 
+namespace {
+
 // Calls cut_out(number, tile_ijk) for the node's tiles, in Morton order, and appends the results that have voxels.
 template <class CutOut>
 void AppendTiles(const TileContext& context, const TileNode& node, std::vector<TileBricks>& tiles, CutOut&& cut_out) {
