@@ -125,7 +125,7 @@ class Supercover::Polytope {
             std::min(j.last, static_cast<int32_t>(std::floor((high + half[1]) / kLatticeUnit)))};
   }
 
-  // Returns the interval of a row, of which bounds_ has found `k`.
+  // Returns the interval of a row. `k` is what bounds_ has found for it.
   Interval Decide(int32_t i, int32_t j, const Interval& all, Interval k) const {
     if (k.last == RowBounds::kDoubtful) return CutRow(i, j, all);
     for (size_t n = 0; n < steep_count_ && k.first <= k.last; ++n) Cut(half_spaces_[steep_[n]], i, j, k);

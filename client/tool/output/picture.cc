@@ -12,7 +12,7 @@
 #include "client/internal/vec3.h"
 #include "client/tool/output/depth_blur.h"
 #include "client/tool/output/facet_rims.h"
-#include "client/tool/output/srgb.h"
+#include "client/tool/output/gamma.h"
 #include "client/tool/output/voxel_front.h"
 
 namespace latvox::client {
@@ -53,7 +53,7 @@ class Renderer {
     right_ = Turned({std::cos(a), 0, -std::sin(a)}, options.up);
     towards_ = Turned({std::cos(e) * std::sin(a), std::sin(e), std::cos(e) * std::cos(a)}, options.up);
     up_ = Cross(towards_, right_);
-    for (size_t level = 0; level < linear_.size(); ++level) linear_[level] = ToLinear(static_cast<uint8_t>(level));
+    for (size_t level = 0; level < linear_.size(); ++level) linear_[level] = IntensityOf(static_cast<uint8_t>(level));
     for (size_t m = 0; m < 3; ++m) color_[m] = linear_[options.color[m]];
     for (const VoxelScene::Facet& facet : scene.facets()) normals_.push_back(ToView(facet.normal));
     const size_t samples = static_cast<size_t>(wide_) * static_cast<size_t>(wide_);
@@ -241,7 +241,7 @@ class Renderer {
       ++shown;
     }
     if (shown == 0) return;
-    for (size_t m = 0; m < 3; ++m) pixel[m] = ToLevel(sum[m] / static_cast<float>(shown));
+    for (size_t m = 0; m < 3; ++m) pixel[m] = LevelOf(sum[m] / static_cast<float>(shown));
     pixel[3] = static_cast<uint8_t>(255 * shown / (kSamples * kSamples));
   }
 

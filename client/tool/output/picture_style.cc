@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "absl/strings/str_format.h"
+#include "client/tool/output/gamma.h"
 #include "client/tool/output/lettering.h"
 #include "client/tool/output/png.h"
-#include "client/tool/output/srgb.h"
 
 namespace latvox::client {
 namespace {
@@ -117,8 +117,9 @@ void PutBehind(const Rgb8& background, Image& image) {
       const float opacity = static_cast<float>(pixel[3]) / 255;
       if (pixel[3] == 255) continue;
       for (size_t m = 0; m < 3; ++m) {
-        pixel[m] = pixel[3] == 0 ? background[m]
-                                 : ToLevel(ToLinear(pixel[m]) * opacity + ToLinear(background[m]) * (1 - opacity));
+        pixel[m] = pixel[3] == 0
+                       ? background[m]
+                       : LevelOf(IntensityOf(pixel[m]) * opacity + IntensityOf(background[m]) * (1 - opacity));
       }
       pixel[3] = 255;
     }

@@ -117,12 +117,10 @@ void ColorStream::Finish(Summary& summary) const {
   summary.tiles = tiles_;
   certificate.digest = digest_.ToHex();
   if (voxels_ > 0) return;
-  summary.warnings.push_back({"EMPTY_RESULT",
-                              absl::StrCat("all ", dropped_,
-                                           " voxels have an opacity below the alpha "
-                                           "cutoff ",
-                                           *alpha_cutoff_),
-                              "alpha_cutoff"});
+  summary.warnings.push_back(
+      {"EMPTY_RESULT",
+       absl::StrCat("all ", dropped_, " voxels have an opacity below the alpha cutoff ", *alpha_cutoff_),
+       "alpha_cutoff"});
 }
 
 }  // namespace latvox::client

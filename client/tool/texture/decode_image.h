@@ -21,7 +21,7 @@ struct Pixels {
 inline constexpr uint64_t kMostPixels = uint64_t{1} << 28;
 
 // Decodes PNG, JPEG or WebP, told by the first bytes. 16 bits are rounded to 8. Profiles and gammas are ignored, as
-// glTF asks. Of an animation, there is only an error.
+// glTF asks. Animations are errors.
 //   most   the limit of pixels
 // Errors: INVALID_ARGUMENT naming the reason: another format, damaged, cut short, CMYK; RESOURCE_EXHAUSTED with the
 // limit.
