@@ -83,6 +83,10 @@ v1::SolidSurface ToProto(SolidSurface surface) {
   return v1::SOLID_SURFACE_UNSPECIFIED;
 }
 
+// The protocol's numbers are those of our enumeration, from 1.
+static_assert(v1::Field_MAX == kFields.size());
+v1::Field ToProto(Field field) { return static_cast<v1::Field>(static_cast<int>(field) + 1); }
+
 void SetToProto(const Surface&, v1::VoxelizeSpec& spec) { spec.mutable_surface(); }
 void SetToProto(const Supercover&, v1::VoxelizeSpec& spec) { spec.mutable_supercover(); }
 
@@ -91,15 +95,13 @@ void SetToProto(const Solid& solid, v1::VoxelizeSpec& spec) {
   out.set_rule(ToProto(solid.rule));
   out.set_surface(ToProto(solid.surface));
   out.set_force_open(solid.force_open);
+  if (solid.labels) out.set_labels(ToProto(*solid.labels));
+  out.mutable_priority()->Add(solid.priority.begin(), solid.priority.end());
 }
 
 void SetToProto(const Band& band, v1::VoxelizeSpec& spec) {
   band.in_voxels ? spec.mutable_band()->set_voxels(band.width) : spec.mutable_band()->set_width(band.width);
 }
-
-// The protocol's numbers are those of our enumeration, from 1.
-static_assert(v1::Field_MAX == kFields.size());
-v1::Field ToProto(Field field) { return static_cast<v1::Field>(static_cast<int>(field) + 1); }
 
 // Unknown fields are left out.
 std::vector<FieldCertificate> FieldsOf(const v1::Certificate& certificate) {

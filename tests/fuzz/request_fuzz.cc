@@ -61,7 +61,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size) {
   latvox::VoxelSet voxels;
   const auto done = (*job)->Advance([&](latvox::TileBricks&& tile) {
     for (const latvox::Brick& brick : tile.bricks) voxels.Add(brick);
-    if (tile.fields.size() != spec->request.fields.size()) std::abort();
+    if (tile.fields.size() != spec->request.fields.size() || !tile.labels.empty()) std::abort();
     if (++tiles == 8) (*job)->Cancel();  // the lattice may be huge
     return true;
   });

@@ -76,6 +76,7 @@ MeshNote NoteOf(const VoxelizeOptions& options, const VoxelizeWords& words) {
   note.input_format = words.input_format;
   note.quantization = options.quantization_bits;
   note.skip_bad = words.skip_bad;
+  note.priority = options.priority;
   return note;
 }
 

@@ -29,6 +29,7 @@ struct VoxelizeOptions {
   bool has_default_resolution = false;
   UploadForm upload = UploadForm::kAuto;
   std::optional<int> quantization_bits;  // absent: auto
+  std::vector<std::string> priority;     // words of --priority, if some are names: the mesh's file tells their numbers
   std::string align;                     // .vdb file whose grid the request uses; empty: none
   bool strict = false;                   // a warning is an error
   bool json = false;
@@ -39,7 +40,8 @@ struct VoxelizeOptions {
 struct VoxelizeWords : MeshWords {
   VoxelizeOptions options;  // partly filled by parsing
   std::string lattice, basis, voxel_size, resolution, origin, region, bounds, shard, quantization = "auto";
-  std::string output_format, npy, separability, algorithm, upload, encoding, set, rule, placement, band, fields;
+  std::string output_format, npy, separability, algorithm, upload, encoding, set, rule, placement, band, fields, labels,
+      priority;
   bool force_open = false, is_signed = false;
   std::optional<bool> minimal;
 };
