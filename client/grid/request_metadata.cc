@@ -23,6 +23,8 @@ std::string Corners(const Box& box) {
 void AddSolid(const Solid& solid, Json& json) {
   json["rule"] = NameOf(solid.rule);
   if (solid.force_open) json["force_open"] = true;
+  if (solid.labels) json["labels"] = NameOf(*solid.labels);
+  if (!solid.priority.empty()) json["priority"] = solid.priority;
 }
 
 void AddBand(const Band& band, Json& json) {
@@ -51,6 +53,7 @@ void AddNote(const MeshNote& note, Json& json) {
   if (note.quantization) json["quantization"] = *note.quantization;
   if (note.skip_bad) json["skip_bad"] = true;
   if (note.alpha_cutoff) json["alpha_cutoff"] = *note.alpha_cutoff;
+  if (!note.priority.empty()) json["priority"] = note.priority;
 }
 
 // Everything except the note.

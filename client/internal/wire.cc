@@ -84,6 +84,12 @@ v1::SolidSurface ToProto(SolidSurface surface) {
   return v1::SOLID_SURFACE_UNSPECIFIED;
 }
 
+// In the order of kFields.
+constexpr std::array<v1::Field, kFields.size()> kFieldNumbers{
+    v1::FIELD_PART,  v1::FIELD_MATERIAL, v1::FIELD_COLOR, v1::FIELD_DISTANCE,       v1::FIELD_TRIANGLE,
+    v1::FIELD_POINT, v1::FIELD_NORMAL,   v1::FIELD_LINKS, v1::FIELD_LINK_TRIANGLES, v1::FIELD_LINK_CROSSINGS};
+v1::Field ToProto(Field field) { return kFieldNumbers[static_cast<size_t>(field)]; }
+
 void SetToProto(const Surface&, v1::VoxelizeSpec& spec) { spec.mutable_surface(); }
 void SetToProto(const Supercover&, v1::VoxelizeSpec& spec) { spec.mutable_supercover(); }
 
@@ -92,6 +98,8 @@ void SetToProto(const Solid& solid, v1::VoxelizeSpec& spec) {
   out.set_rule(ToProto(solid.rule));
   out.set_surface(ToProto(solid.surface));
   out.set_force_open(solid.force_open);
+  if (solid.labels) out.set_labels(ToProto(*solid.labels));
+  out.mutable_priority()->Add(solid.priority.begin(), solid.priority.end());
 }
 
 void SetToProto(const Band& band, v1::VoxelizeSpec& spec) {
@@ -102,12 +110,6 @@ void SetToProto(const Links& links, v1::VoxelizeSpec& spec) {
   static_assert(v1::LINK_SIDE_BOTH == 1 && v1::LINK_SIDE_INSIDE == 2 && v1::LINK_SIDE_OUTSIDE == 3);
   spec.mutable_links()->set_side(static_cast<v1::LinkSide>(static_cast<int>(links.side) + 1));
 }
-
-// In the order of kFields.
-constexpr std::array<v1::Field, kFields.size()> kFieldNumbers{
-    v1::FIELD_PART,  v1::FIELD_MATERIAL, v1::FIELD_COLOR, v1::FIELD_DISTANCE,       v1::FIELD_TRIANGLE,
-    v1::FIELD_POINT, v1::FIELD_NORMAL,   v1::FIELD_LINKS, v1::FIELD_LINK_TRIANGLES, v1::FIELD_LINK_CROSSINGS};
-v1::Field ToProto(Field field) { return kFieldNumbers[static_cast<size_t>(field)]; }
 
 // Unknown fields are left out.
 std::vector<FieldCertificate> FieldsOf(const v1::Certificate& certificate) {

@@ -47,13 +47,13 @@ absl::StatusOr<std::unique_ptr<const Interior>> MakeLabeledInterior(const Snappe
   unbalanced_lines = balance.unbalanced_lines;
   const bool has_inside = balance.open_labels == 0;
   if (!has_inside && !solid.force_open && !stop.Stopped()) {
-    const size_t others = balance.open_labels - 1;
     return absl::InvalidArgumentError(absl::StrFormat(
         "mesh: %s %d is not closed%s, and %d of its lattice lines along k end unbalanced%s; force_open fills the "
         "others",
         NameOf(labels.field), balance.first_open,
         balance.first_closed ? absl::StrFormat(" with one orientation, as the rule %s asks", NameOf(rule)) : "",
-        balance.first_lines, others == 0 ? "" : absl::StrFormat("; %d more labels have no inside", others)));
+        balance.first_lines,
+        balance.open_labels == 1 ? "" : absl::StrFormat("; %d labels in all have no inside", balance.open_labels)));
   }
   std::unique_ptr<const Interior> interior = has_inside ? MakeClosedLabeledInterior(mesh, labels, rule, region, stop)
                                                         : MakeOpenLabeledInterior(mesh, labels, rule, region, stop);

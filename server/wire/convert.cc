@@ -52,7 +52,15 @@ absl::StatusOr<SetOption> SolidFromProto(const v1::Solid& solid) {
   const absl::StatusOr<SolidSurface> surface =
       Meaning(kSolidSurfaceNumbers, solid.surface(), "solid.surface", "a surface");
   if (!surface.ok()) return surface.status();
-  return Solid{.rule = *rule, .surface = *surface, .force_open = solid.force_open()};
+  Solid out{.rule = *rule,
+            .surface = *surface,
+            .force_open = solid.force_open(),
+            .priority = {solid.priority().begin(), solid.priority().end()}};
+  if (solid.labels() == v1::FIELD_UNSPECIFIED) return out;
+  const absl::StatusOr<Field> labels = Meaning(kFieldNumbers, solid.labels(), "solid.labels", "a field");
+  if (!labels.ok()) return labels.status();
+  out.labels = *labels;
+  return out;
 }
 
 absl::StatusOr<Bounds> BoundsFromProto(const v1::WorldBox& box) {

@@ -6,6 +6,8 @@
 
 #include "core/fields/triangle_index.h"
 #include "core/solid/interior.h"
+#include "core/solid/labeled_interior.h"
+#include "core/solid/labels.h"
 
 namespace latvox {
 namespace {
@@ -16,6 +18,8 @@ constexpr uint64_t kStreamBytes = uint64_t{8} << 20;
 // A thread: the memory of its scan.
 constexpr uint64_t kThreadBytes = uint64_t{6} << 20;
 constexpr uint64_t kSolidThreadBytes = uint64_t{2} << 20;
+// With labels: the crossings of a tile, the labels of its points, and the runs of labels of two.
+constexpr uint64_t kLabelThreadBytes = uint64_t{12} << 20;
 // With fields: the search, and the fields of blocks in flight: of two tiles of a solid or a band, which may be full, or
 // of two blocks of a surface, as measured.
 constexpr uint64_t kFieldThreadBytes = uint64_t{4} << 20, kFieldThreadVoxels = uint64_t{2} << 20;
@@ -76,7 +80,8 @@ uint64_t JobMemory::BytesOf(uint64_t triangles, uint64_t vertices) const {
   const uint64_t bytes_of_voxel = nearest.bytes(0), of_links = request_.fields.OfLinks().bytes(kMostNeighbors);
   const uint64_t of_thread = (request_.fields.empty() ? 0 : kFieldThreadBytes) + kFieldThreadVoxels * bytes_of_voxel +
                              kLinkThreadVoxels * of_links;
-  const uint64_t of_triangle = nearest.empty() ? 0 : TriangleIndex::kBytesPerTriangle;
+  const uint64_t of_triangle =
+      (nearest.empty() ? 0 : TriangleIndex::kBytesPerTriangle) + (IsLabeled() ? kLabelBytesPerTriangle : 0);
   return kStreamBytes + threads_ * (kThreadBytes + of_thread) + triangles * (kBytesPerTriangle + of_triangle) +
          vertices * (kBytesPerVertex + request_.fields.OfMesh().size() * kBytesPerMeshField);
 }
@@ -84,8 +89,11 @@ uint64_t JobMemory::BytesOf(uint64_t triangles, uint64_t vertices) const {
 // More for a job that finds the inside.
 uint64_t JobMemory::BytesOfSolid(double line_crossings) const {
   if (request_.solid() == nullptr && !request_.signed_distance) return 0;
-  return threads_ * kSolidThreadBytes + ToBytes(line_crossings * kBytesPerLineCrossing);
+  if (!IsLabeled()) return threads_ * kSolidThreadBytes + ToBytes(line_crossings * kBytesPerLineCrossing);
+  return threads_ * (kSolidThreadBytes + kLabelThreadBytes) + ToBytes(line_crossings * kBytesPerLabeledCrossing);
 }
+
+bool JobMemory::IsLabeled() const { return request_.solid() != nullptr && request_.solid()->labels; }
 
 // More for a job that thins: a block's share of the voxels, if they are spread over the requested part of the mesh's
 // box.

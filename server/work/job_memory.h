@@ -59,6 +59,7 @@ class JobMemory {
  private:
   uint64_t BytesOf(uint64_t triangles, uint64_t vertices) const;
   uint64_t BytesOfSolid(double line_crossings) const;
+  bool IsLabeled() const;
   uint64_t BytesOfThinning(const JobEstimate& estimate) const;
 
   const VoxelRequest& request_;

@@ -62,7 +62,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size) {
   latvox::VoxelSet voxels;
   const auto done = (*job)->Advance([&](latvox::TileBricks&& tile) {
     for (const latvox::Brick& brick : tile.bricks) voxels.Add(brick);
-    if (tile.fields.size() != spec->request.fields.size()) std::abort();
+    if (tile.fields.size() != spec->request.fields.size() || !tile.labels.empty()) std::abort();
     for (size_t n = 0; n < tile.fields.size(); ++n) {
       const size_t bytes = latvox::FactsOf(spec->request.fields.view()[n]).bytes(neighbors);
       if (tile.fields[n].size() != tile.voxels * bytes) std::abort();

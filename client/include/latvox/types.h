@@ -256,6 +256,10 @@ struct Solid {
   InteriorRule rule = InteriorRule::kAuto;           // the rule for the inside
   SolidSurface surface = SolidSurface::kSeparating;  // the voxels of the mesh itself that belong to it
   bool force_open = false;  // fill a mesh that is not closed, along the balanced lattice lines in k
+  // A labeled solid: kPart or kMaterial, which must be among VoxelizeRequest.fields. Each number of it has its own
+  // inside. Points inside have the number with the highest priority among those that contain them.
+  std::optional<Field> labels = std::nullopt;
+  std::vector<uint32_t> priority = {};  // from the highest down; then all other numbers, larger ones first
   bool operator==(const Solid&) const = default;
 };
 
@@ -357,6 +361,7 @@ struct MeshNote {
   std::string input_format;                       // "ply", ...: overrides the file's extension
   std::optional<int> quantization;                // bits of a position on the way to the server; 0: lossless
   bool skip_bad = false;                          // broken elements were left out
+  std::vector<std::string> priority = {};         // Solid.priority in words: numbers, and names from the file
   std::optional<MeshFacts> facts = std::nullopt;  // as the server found them: they tell the parts of two meshes apart
   std::optional<double> alpha_cutoff = std::nullopt;  // voxels of less opacity were left out
   bool operator==(const MeshNote&) const = default;

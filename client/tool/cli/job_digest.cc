@@ -110,6 +110,8 @@ Json RequestJson(const VoxelizeRequest& request) {
   if (request.shard) json["shard"] = {request.shard->index, request.shard->count};
   if (const auto* solid = std::get_if<Solid>(&request.set)) {
     json["solid"] = {static_cast<int>(solid->rule), solid->force_open};
+    if (solid->labels) json["labels"] = NameOf(*solid->labels);
+    if (!solid->priority.empty()) json["priority"] = solid->priority;
   }
   return json;
 }
@@ -132,6 +134,7 @@ absl::StatusOr<std::string> JobDigest(const Job& job) {
   if (job.options.output_options.dense_npy) json["npy"] = "dense";
   if (job.options.upload != UploadForm::kAuto) json["upload"] = static_cast<int>(job.options.upload);
   if (job.options.alpha_cutoff) json["alpha_cutoff"] = *job.options.alpha_cutoff;
+  if (!job.options.priority.empty()) json["priority"] = job.options.priority;
   if (job.options.strict) json["strict"] = true;
   if (job.options.weld_report) json["weld_report"] = true;
   // Names may not be UTF-8.

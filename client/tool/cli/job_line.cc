@@ -17,7 +17,7 @@
 namespace latvox::client {
 namespace {
 
-enum class Kind { kText, kNumber, kNumberOrText, kNumberOrNumbers, kNumbers, kFlag, kTexts };
+enum class Kind { kText, kNumber, kNumberOrText, kNumberOrNumbers, kNumbers, kFlag, kTexts, kNumbersOrTexts };
 
 constexpr std::pair<const char*, Kind> kLineFields[] = {
     {"lattice", Kind::kText},
@@ -36,6 +36,8 @@ constexpr std::pair<const char*, Kind> kLineFields[] = {
     {"band", Kind::kNumberOrText},
     {"side", Kind::kText},
     {"fields", Kind::kTexts},
+    {"labels", Kind::kText},
+    {"priority", Kind::kNumbersOrTexts},
     {"signed", Kind::kFlag},
     {"alpha_cutoff", Kind::kNumber},
     {"upload", Kind::kText},
@@ -54,9 +56,14 @@ constexpr std::pair<const char*, Kind> kLineFields[] = {
     {"npy", Kind::kText},
 };
 
-constexpr const char* kTypes[] = {
-    "a non-empty string",  "a number",      "a number or a string",           "a number or an array of numbers",
-    "an array of numbers", "true or false", "a string or an array of strings"};
+constexpr const char* kTypes[] = {"a non-empty string",
+                                  "a number",
+                                  "a number or a string",
+                                  "a number or an array of numbers",
+                                  "an array of numbers",
+                                  "true or false",
+                                  "a string or an array of strings",
+                                  "a number, a string or an array of these"};
 
 template <class... Parts>
 absl::Status Wrong(const Parts&... parts) {
@@ -78,6 +85,7 @@ bool IsText(const SortedJson& value) { return value.is_string() && !value.get_re
 
 bool Is(const SortedJson& value, Kind kind) {
   const auto is_number = [](const SortedJson& element) { return element.is_number(); };
+  const auto is_either = [](const SortedJson& element) { return Is(element, Kind::kNumberOrText); };
   switch (kind) {
     case Kind::kText:
       return IsText(value);
@@ -93,6 +101,9 @@ bool Is(const SortedJson& value, Kind kind) {
       return value.is_boolean();
     case Kind::kTexts:
       return IsText(value) || (value.is_array() && !value.empty() && std::all_of(value.begin(), value.end(), IsText));
+    case Kind::kNumbersOrTexts:
+      return is_either(value) ||
+             (value.is_array() && !value.empty() && std::all_of(value.begin(), value.end(), is_either));
   }
   return false;
 }

@@ -2,7 +2,9 @@
 
 #include <string>
 
+#include "absl/strings/str_cat.h"
 #include "client/mesh/mesh_attributes.h"
+#include "client/tool/cli/common_options.h"
 
 namespace latvox::client {
 
@@ -19,6 +21,27 @@ CarriedNames NamesOf(const Mesh& mesh, const std::vector<Field>& attributes) {
     }
   }
   return names;
+}
+
+absl::StatusOr<std::vector<uint32_t>> PriorityOf(const std::vector<std::string>& words, Field labels,
+                                                 const CarriedNames& names) {
+  std::vector<uint32_t> priority;
+  for (const std::string& word : words) {
+    uint32_t number = 0;
+    if (ParseNumber(word, number)) {
+      priority.push_back(number);
+      continue;
+    }
+    const std::vector<std::string>& known = names.Of(labels);
+    const size_t before = priority.size();
+    for (size_t n = known.size(); n-- > 0;) {
+      if (known[n] == word) priority.push_back(static_cast<uint32_t>(n));
+    }
+    if (priority.size() > before) continue;
+    return absl::InvalidArgumentError(
+        absl::StrCat("--priority: \"", word, "\" is neither a number nor the name of a ", NameOf(labels)));
+  }
+  return priority;
 }
 
 }  // namespace latvox::client

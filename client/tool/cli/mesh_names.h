@@ -2,8 +2,11 @@
 #ifndef LATVOX_CLIENT_TOOL_CLI_MESH_NAMES_H_
 #define LATVOX_CLIENT_TOOL_CLI_MESH_NAMES_H_
 
+#include <cstdint>
+#include <string>
 #include <vector>
 
+#include "absl/status/statusor.h"
 #include "client/mesh/mesh.h"
 #include "latvox/grid/carried_names.h"
 #include "latvox/types.h"
@@ -12,6 +15,11 @@ namespace latvox::client {
 
 // Returns the names of these attributes: none, or one for each part or material of the mesh.
 CarriedNames NamesOf(const Mesh& mesh, const std::vector<Field>& attributes);
+
+// Returns the labels that the words of --priority name: a number, or the numbers with a name, larger ones first.
+// Errors: INVALID_ARGUMENT: a word is neither.
+absl::StatusOr<std::vector<uint32_t>> PriorityOf(const std::vector<std::string>& words, Field labels,
+                                                 const CarriedNames& names);
 
 }  // namespace latvox::client
 

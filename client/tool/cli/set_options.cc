@@ -38,6 +38,13 @@ std::string CheckFields(const std::string& text) {
   return "";
 }
 
+std::string CheckPriority(const std::string& text) {
+  for (const absl::string_view word : absl::StrSplit(text, ',')) {
+    if (word.empty()) return absl::StrCat("\"", text, "\" has an empty label");
+  }
+  return "";
+}
+
 std::optional<Band> ParseBand(absl::string_view text) {
   Band band;
   band.in_voxels = absl::ConsumeSuffix(&text, "v");
@@ -48,6 +55,43 @@ std::optional<Band> ParseBand(absl::string_view text) {
 std::string CheckBand(const std::string& text) {
   if (ParseBand(text)) return "";
   return absl::StrCat("\"", text, "\" is not a finite number above 0, with or without v for voxel sizes");
+}
+
+const Names<Field>& LabelNames() {
+  static const auto* const kNames = new Names<Field>{{"part", Field::kPart}, {"material", Field::kMaterial}};
+  return *kNames;
+}
+
+// The labels of a solid. A priority needs some: those among the fields.
+std::optional<Field> LabelsOf(const VoxelizeWords& words) {
+  if (!words.labels.empty()) return ValueNamed(LabelNames(), words.labels);
+  if (words.priority.empty()) return std::nullopt;
+  std::optional<Field> labels;
+  for (const absl::string_view word : absl::StrSplit(words.fields, ',')) {
+    for (const auto& [name, field] : LabelNames()) {
+      if (word != name) continue;
+      if (labels) Refuse("--priority: needs --labels, because --fields has both part and material");
+      labels = field;
+    }
+  }
+  if (!labels) Refuse("--priority: needs --labels part or material");
+  return labels;
+}
+
+// The labels that --priority lists, if all are numbers. Otherwise the mesh's file must be read first.
+std::vector<uint32_t> NumbersOf(const std::vector<std::string>& labels) {
+  std::vector<uint32_t> numbers;
+  for (const std::string& label : labels) {
+    uint32_t number = 0;
+    if (!ParseNumber(label, number)) return {};
+    numbers.push_back(number);
+  }
+  return numbers;
+}
+
+std::vector<std::string> PriorityWords(const VoxelizeWords& words) {
+  if (words.priority.empty()) return {};
+  return absl::StrSplit(words.priority, ',');
 }
 
 // The names of sets. Those that need no further option have their value here.
@@ -152,6 +196,18 @@ std::vector<OptionRow> SetRows(VoxelizeWords& words) {
        .value = "NAME,...",
        .checks = {{CheckFields}},
        .standard = "distance for a band, otherwise none"},
+      {.names = "--labels",
+       .target = &words.labels,
+       .help = "Make a solid of each part or material, which voxels carry; where several overlap, see --priority",
+       .words = WordsOf(LabelNames()),
+       .word_help = {"each part", "each material"},
+       .standard = "with --priority, the one of --fields"},
+      {.names = "--priority",
+       .target = &words.priority,
+       .help =
+           "Labels that cover the others, numbers or names, the highest first; then all others, larger numbers first",
+       .value = "LABEL,...",
+       .checks = {{CheckPriority}}},
       {.names = "--signed",
        .target = &words.is_signed,
        .help = "Make distances negative inside; the mesh must be closed"},
@@ -182,9 +238,13 @@ VoxelSet InterpretSet(const VoxelizeWords& words) {
   if (auto* solid = std::get_if<Solid>(&set)) {
     solid->rule = RuleOf(words);
     solid->force_open = words.force_open;
+    solid->labels = LabelsOf(words);
+    solid->priority = NumbersOf(PriorityWords(words));
     return set;
   }
   if (!words.rule.empty()) Refuse("--rule: needs --set solid, supercover-solid or interior, not ", name);
+  if (!words.labels.empty()) Refuse("--labels: needs --set solid, supercover-solid or interior, not ", name);
+  if (!words.priority.empty()) Refuse("--priority: needs --set solid, supercover-solid or interior, not ", name);
   if (words.force_open) Refuse("--force-open: needs --set solid, supercover-solid or interior, not ", name);
   return set;
 }
@@ -199,6 +259,10 @@ void InterpretFields(const VoxelizeWords& words, VoxelizeOptions& options) {
     request.fields = {Field::kDistance};
   }
   InterpretBaseColors(words, options);
+  if (const auto* const solid = std::get_if<Solid>(&request.set); solid != nullptr && solid->labels) {
+    if (!CarriesField(request.fields, *solid->labels)) request.fields.push_back(*solid->labels);
+    if (solid->priority.empty()) options.priority = PriorityWords(words);
+  }
   request.signed_distance = words.is_signed;
   if (words.is_signed && !CarriesField(request.fields, Field::kDistance)) Refuse("--signed: needs --fields distance");
   if (request.fields.empty()) return;

@@ -4,12 +4,14 @@
 #include <memory>
 #include <optional>
 #include <utility>
+#include <variant>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/time/clock.h"
 #include "client/mesh_files/mesh_source.h"
 #include "client/tool/cli/abandoned_work.h"
+#include "client/tool/cli/mesh_names.h"
 #include "client/tool/cli/mesh_upload.h"
 #include "client/tool/cli/progress_bar.h"
 #include "client/tool/cli/warnings.h"
@@ -92,6 +94,11 @@ absl::Status Call(const VoxelizeOptions& options, const MeshUpload& upload, cons
   };
   VoxelizeRequest request = colors ? colors->ToSend() : options.request;
   request.raw_mesh = upload.raw;
+  if (auto* const solid = std::get_if<Solid>(&request.set); solid != nullptr && !options.priority.empty()) {
+    auto priority = PriorityOf(options.priority, *solid->labels, upload.names);
+    if (!priority.ok()) return priority.status();
+    solid->priority = *std::move(priority);
+  }
   auto summary = (*client)->Voxelize(request, upload.bytes, handlers, call);
   if (!summary.ok()) return WithMesh(summary.status(), options.mesh);
   report.summary = *std::move(summary);

@@ -77,6 +77,7 @@ MeshNote NoteOf(const VoxelizeOptions& options, const VoxelizeWords& words) {
   note.quantization = options.quantization_bits;
   note.skip_bad = words.skip_bad;
   note.alpha_cutoff = options.alpha_cutoff;
+  note.priority = options.priority;
   return note;
 }
 

@@ -30,6 +30,7 @@ struct VoxelizeOptions {
   UploadForm upload = UploadForm::kAuto;
   std::optional<int> quantization_bits;  // absent: auto
   std::optional<double> alpha_cutoff;    // voxels of less opacity are left out
+  std::vector<std::string> priority;     // words of --priority, if some are names: the mesh's file tells their numbers
   std::string align;                     // .vdb file whose grid the request uses; empty: none
   bool strict = false;                   // a warning is an error
   bool json = false;
@@ -41,7 +42,7 @@ struct VoxelizeWords : MeshWords {
   VoxelizeOptions options;  // partly filled by parsing
   std::string lattice, basis, voxel_size, resolution, origin, region, bounds, shard, quantization = "auto";
   std::string output_format, npy, separability, algorithm, upload, encoding, set, rule, placement, band, side, fields,
-      alpha_cutoff;
+      labels, priority, alpha_cutoff;
   bool force_open = false, is_signed = false;
   std::optional<bool> minimal;
 };

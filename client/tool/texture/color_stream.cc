@@ -53,7 +53,7 @@ bool ColorStream::Receive(const Voxel& voxel, Color& color) {
 
 void ColorStream::Keep(const Voxel& voxel, const Color& color) {
   for (FieldValues& values : fields_) {
-    const size_t bytes = FactsOf(values.field).bytes(), end = values.bytes.size();
+    const size_t bytes = values.bytes_of_voxel(), end = values.bytes.size();
     values.bytes.resize(end + bytes);
     const void* const from = values.field == Field::kColor
                                  ? static_cast<const void*>(color.data())
@@ -68,7 +68,7 @@ void ColorStream::Count(const Brick& brick) {
   digest_.Add(brick);
   for (size_t n = 0; n < fields_.size(); ++n) {
     const std::span<const std::byte> all = fields_[n].bytes;
-    field_digests_[n].Add(brick, all.last(voxels * FactsOf(fields_[n].field).bytes()));
+    field_digests_[n].Add(brick, all.last(voxels * fields_[n].bytes_of_voxel()));
   }
   voxels_ += voxels;
   ++brick_count_;
@@ -82,6 +82,7 @@ BrickBatch ColorStream::Convert(const BrickBatch& batch) {
   for (size_t n = 0; n < fields_.size(); ++n) {
     fields_[n].field = request_.fields[n];
     fields_[n].bytes.clear();
+    if (FactsOf(request_.fields[n]).is_of_links()) fields_[n].neighbors = neighbors_;
   }
   size_t number = 0;
   for (const Brick& brick : batch.bricks) {

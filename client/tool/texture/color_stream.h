@@ -26,7 +26,10 @@ class ColorStream {
   VoxelizeRequest ToSend() const;
 
   // Call it first. The voxel size is the edge of the square that a voxel's color is the mean of.
-  void Begin(const Accepted& accepted) { edge_ = accepted.grid.voxel_size; }
+  void Begin(const Accepted& accepted) {
+    edge_ = accepted.grid.voxel_size;
+    neighbors_ = accepted.neighbors.size();
+  }
 
   // Returns the batch for the outputs, which may be empty. It is valid until the next call.
   BrickBatch Convert(const BrickBatch& batch);
@@ -49,6 +52,7 @@ class ColorStream {
   const std::optional<double> alpha_cutoff_;
   const std::vector<Field> sent_;  // fields
   double edge_ = 0;
+  size_t neighbors_ = 0;
   std::vector<Brick> bricks_;        // of the batch
   std::vector<FieldValues> fields_;  // likewise
   Digest digest_;

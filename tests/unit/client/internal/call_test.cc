@@ -138,7 +138,7 @@ TEST(Call, SendsTheSpecFirstThenTheMeshInPiecesOfAtMostOneMebibyte) {
   request.region = IndexBox{{-5, 0, 5}, {6, 7, 8}};
   request.bounds = WorldBox{{-1.5, 0, 2}, {3, 4, 5.25}};
   request.shard = Shard{3, 8};
-  request.set = Solid{InteriorRule::kWinding, SolidSurface::kNone, true};
+  request.set = Solid{InteriorRule::kWinding, SolidSurface::kNone, true, Field::kMaterial, {7, 0}};
   ASSERT_TRUE(fake.client().Voxelize(request, kMesh, {}).ok());
   EXPECT_FALSE(spec.has_band());
   EXPECT_EQ(mesh, kMesh);
@@ -157,6 +157,8 @@ TEST(Call, SendsTheSpecFirstThenTheMeshInPiecesOfAtMostOneMebibyte) {
   EXPECT_EQ(spec.solid().rule(), v1::INTERIOR_RULE_WINDING);
   EXPECT_EQ(spec.solid().surface(), v1::SOLID_SURFACE_NONE);
   EXPECT_TRUE(spec.solid().force_open());
+  EXPECT_EQ(spec.solid().labels(), v1::FIELD_MATERIAL);
+  EXPECT_THAT(spec.solid().priority(), testing::ElementsAre(7U, 0U));
   EXPECT_EQ(spec.mesh_bytes(), kMesh.size());
 }
 

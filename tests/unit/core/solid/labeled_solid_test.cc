@@ -229,7 +229,7 @@ TEST(LabeledSolids, OfLabelsThatAreNotClosedAreRefusedByName) {
   bodies.Add(open, 12);
   EXPECT_EQ(PrepareLabels(bodies, InteriorRule::kParity),
             absl::InvalidArgumentError("mesh: part 5 is not closed, and 25 of its lattice lines along k end "
-                                       "unbalanced; 1 more labels have no inside; force_open fills the others"));
+                                       "unbalanced; 2 labels in all have no inside; force_open fills the others"));
   // Together they are closed, but neither is.
   Bodies halves;
   halves.Add(Box({0, 0, 0}, {256, 256, 256}), 1);

@@ -69,6 +69,20 @@ TEST(JobMemory, ReservesForFieldsByThreadsAndVertices) {
             kOfMesh + 3 * (4 + 2 * 12) * kMebibyte + kOfIndex);
 }
 
+TEST(JobMemory, ReservesForLabels) {
+  const auto filled = [](bool open, std::optional<Field> labels) {
+    VoxelRequest request = Filled(open);
+    std::get<SolidSet>(request.set).solid.labels = labels;
+    request.fields = {Field::kPart};
+    return request;
+  };
+  const VoxelRequest plain = filled(true, std::nullopt), labeled = filled(true, Field::kPart);
+  EXPECT_EQ(ReservedForMesh(labeled, kThreads, kTriangles, kVertices),
+            ReservedForMesh(plain, kThreads, kTriangles, kVertices) + kTriangles * 8);
+  const JobEstimate estimate{.line_crossings = 1000};
+  EXPECT_EQ(AddedForJob(labeled, estimate), AddedForJob(plain, estimate) + 3 * 12 * kMebibyte + 1000 * 24);
+}
+
 TEST(JobMemory, HoldsTheEncodedMeshUntilItIsDecoded) {
   MemoryBudget budget(kPlenty);
   const VoxelRequest request;

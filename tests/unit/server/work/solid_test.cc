@@ -48,6 +48,11 @@ TEST(Solid, IsReadFromTheSpecification) {
   proto.mutable_solid()->set_force_open(true);
   EXPECT_TRUE(solid()->rule == InteriorRule::kWinding && solid()->surface == SolidSurface::kNone &&
               solid()->force_open);
+  EXPECT_FALSE(solid()->labels);
+  proto.add_fields(v1::FIELD_MATERIAL);
+  proto.mutable_solid()->set_labels(v1::FIELD_MATERIAL);
+  proto.mutable_solid()->add_priority(7);
+  EXPECT_TRUE(solid()->labels == Field::kMaterial && solid()->priority == std::vector<uint32_t>{7});
   proto.mutable_solid()->set_surface(v1::SOLID_SURFACE_SUPERCOVER);
   EXPECT_TRUE(JobSpecFromProto(proto, {})->request.is_supercover());
   proto.mutable_surface();
@@ -66,6 +71,10 @@ TEST(Solid, IsRefusedByItsField) {
             "BAD_SPEC solid.surface");
   EXPECT_EQ(refusal([](auto& s) { s.mutable_solid()->set_rule(static_cast<v1::InteriorRule>(4)); }),
             "BAD_SPEC solid.rule");
+  EXPECT_EQ(refusal([](auto& s) { s.mutable_solid()->set_labels(static_cast<v1::Field>(99)); }),
+            "BAD_SPEC solid.labels");
+  EXPECT_EQ(refusal([](auto& s) { s.mutable_solid()->set_labels(v1::FIELD_PART); }), "BAD_SPEC solid.labels");
+  EXPECT_EQ(refusal([](auto& s) { s.mutable_solid()->add_priority(1); }), "BAD_SPEC solid.priority");
   EXPECT_EQ(refusal([](auto& s) { s.set_verify(true); }), "BAD_SPEC verify");
   EXPECT_EQ(refusal([](auto& s) { s.set_algorithm(v1::ALGORITHM_BRUTE_FORCE); }), "BAD_SPEC solid");
 }

@@ -68,6 +68,12 @@ TEST(JobLine, EveryFieldArrivesWhereItBelongs) {
     "force_open": true})")
                 ->options.request.set,
             VoxelSet(Solid{InteriorRule::kWinding, SolidSurface::kNone, true}));
+  const auto labeled = Parse(R"({"mesh": "m", "resolution": 9, "set": "solid", "labels": "part", "priority": [4, 2]})");
+  ASSERT_TRUE(labeled.ok()) << labeled.status();
+  EXPECT_EQ(labeled->options.request.set, VoxelSet(Solid{.labels = Field::kPart, .priority = {4, 2}}));
+  EXPECT_THAT(Parse(R"({"mesh": "m", "resolution": 9, "set": "solid", "labels": "part", "priority": [4, "lid"]})")
+                  ->options.priority,
+              ElementsAre("4", "lid"));
   EXPECT_THAT(request.fields, ElementsAre(Field::kPart, Field::kNormal));
   EXPECT_TRUE(
       Parse(R"({"mesh": "m", "resolution": 9, "verify": true, "quantization": "auto"})")->options.request.verify);

@@ -147,6 +147,26 @@ TEST(Options, OfASolidSayWhatIsInside) {
   EXPECT_EQ(set({"--set", "solid", "--force-open"}), VoxelSet(Solid{.force_open = true}));
 }
 
+TEST(Options, LabelsAreAFieldAndPrioritiesNumbersOrNames) {
+  const auto parse = [](std::vector<std::string> words) {
+    words.insert(words.end(), {"--resolution", "9", "--set", "interior"});
+    return Parse(words);
+  };
+  const auto labeled = [](Field field, std::vector<uint32_t> priority) {
+    return VoxelSet(Solid{.surface = SolidSurface::kNone, .labels = field, .priority = std::move(priority)});
+  };
+  const VoxelizeOptions labels = parse({"--labels", "material", "--fields", "part"});
+  EXPECT_EQ(labels.request.set, labeled(Field::kMaterial, {}));
+  EXPECT_THAT(labels.request.fields, ElementsAre(Field::kPart, Field::kMaterial));
+  EXPECT_EQ(labels.mesh.attributes, labels.request.fields);
+  EXPECT_EQ(parse({"--fields", "part,normal", "--priority", "3,0"}).request.set, labeled(Field::kPart, {3, 0}));
+  EXPECT_THAT(parse({"--fields", "part", "--priority", "3,0"}).priority, ElementsAre());
+  const VoxelizeOptions names = parse({"--fields", "part", "--priority", "3,lid"});
+  EXPECT_EQ(names.request.set, labeled(Field::kPart, {}));
+  EXPECT_THAT(names.priority, ElementsAre("3", "lid"));
+  EXPECT_EQ(names.output_options.note.priority, names.priority);
+}
+
 TEST(Options, ThreeMfAsksForThePositiveRule) {
   const auto rule = [](const std::vector<std::string>& words) {
     VoxelizeWords given;
@@ -322,6 +342,12 @@ TEST(Options, RefusalsOfSetsNameOptionValueAndLimit) {
   Refuses({"--resolution", "9", "--fields", "triangle", "--upload", "draco"}, {"--fields", "triangle", "--upload raw"});
   Refuses({"--align", "a.vdb", "--separability", "26"}, {"--separability", "26", "--lattice cartesian"});
   Refuses({"--resolution", "9", "--set", "surface", "--force-open"}, {"--force-open", "--set solid"});
+  Refuses({"--resolution", "9", "--labels", "part"}, {"--labels", "--set solid"});
+  Refuses({"--resolution", "9", "--priority", "1"}, {"--priority", "--set solid"});
+  Refuses({"--resolution", "9", "--set", "solid", "--priority", "1"}, {"--priority", "--labels"});
+  Refuses({"--resolution", "9", "--set", "solid", "--priority", "1", "--fields", "part,material"}, {"both"});
+  Refuses({"--resolution", "9", "--set", "solid", "--labels", "part", "--priority", "1,,2"}, {"--priority", "empty"});
+  Refuses({"--resolution", "9", "--set", "solid", "--labels", "color"}, {"--labels", "color", "material"});
   EXPECT_EQ(Refusal({"--resolution", "9", "--no-minimal", "--algorithm", "incremental"}), "accepted");
   EXPECT_EQ(Parse({"--resolution", "9", "--no-minimal", "--minimal"}).request.minimal, true);  // the last one counts
   EXPECT_EQ(Parse({"--resolution", "9", "--minimal", "--no-minimal"}).request.minimal, false);
