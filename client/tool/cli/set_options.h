@@ -1,4 +1,5 @@
-// The options of the set and of the fields: --set, --rule, --force-open, --band, --signed and --fields.
+// The options of the set and of the fields: --set, --rule, --force-open, --seed, --close,
+// --leak-from, --allow-outside, --band, --signed and --fields.
 #ifndef LATVOX_CLIENT_TOOL_CLI_SET_OPTIONS_H_
 #define LATVOX_CLIENT_TOOL_CLI_SET_OPTIONS_H_
 

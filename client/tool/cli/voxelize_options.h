@@ -40,7 +40,8 @@ struct VoxelizeWords : MeshWords {
   VoxelizeOptions options;  // partly filled by parsing
   std::string lattice, basis, voxel_size, resolution, origin, region, bounds, shard, quantization = "auto";
   std::string output_format, npy, separability, algorithm, upload, encoding, set, rule, placement, band, fields;
-  bool force_open = false, is_signed = false;
+  std::string seed, close, leak_from;
+  bool force_open = false, is_signed = false, allow_outside = false;
   std::optional<bool> minimal;
 };
 
