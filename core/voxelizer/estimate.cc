@@ -187,10 +187,10 @@ double VisitsOfFields(const TriangleMesh& mesh, double voxels, const VoxelReques
 // Whether the mesh must be closed, so that its area bounds what it encloses.
 bool HasClosedMesh(const VoxelRequest& request) { return request.solid() != nullptr && !request.solid()->force_open; }
 
-// Distances, in each of three scans; and the rows of the ball that reached points grow by, at each row of a tile.
+// Distances, in one or two scans; and the rows of the ball that reached points grow by, at each row of a tile.
 double VisitsOfClosing(const TriangleMesh& mesh, const MeshExtent& extent, const WalkSet& walk, double size,
                        StopSignal stop) {
-  constexpr double kScans = 3, kPerDistance = 4, kPerRow = 1.4;  // at 15 ns
+  constexpr double kScans = 2, kPerDistance = 4, kPerRow = 1.4;  // at 15 ns
   if (walk.close == 0) return 0;
   const double width = walk.close / 2;
   const double rows = std::numbers::pi * width * width * extent.area / (size * size * size * size);

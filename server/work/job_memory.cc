@@ -93,7 +93,7 @@ uint64_t JobMemory::BytesOfWalk(const JobEstimate& estimate) const {
   const WalkSet* const walk = request_.walk();
   if (walk == nullptr) return 0;
   const bool closes = walk->close > 0;
-  const double packed = closes ? 0 : std::min(estimate.wall_tiles * kBytesPerPackedTile, double{kMostPackedBytes});
+  const double packed = std::min(estimate.wall_tiles * kBytesPerPackedTile, double{kMostPackedBytes});
   const double per_tile = kBytesPerWallTile + (closes ? double{kBytesPerReachedTile} : 0);
   const bool finds_leak = walk->leak_from || (walk->seed && !walk->allow_outside);
   const bool has_room = estimate.box_points <= static_cast<double>(kMostLeakPoints);
