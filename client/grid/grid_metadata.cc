@@ -70,6 +70,9 @@ void Describe(const Certificate& certificate, openvdb::GridBase& grid) {
     Insert(grid, "latvox_interior_rule", solid->rule);
     grid.insertMeta("latvox_unbalanced_lines", openvdb::Int64Metadata(static_cast<int64_t>(solid->unbalanced_lines)));
   }
+  if (const auto& walk = certificate.walk) {
+    grid.insertMeta("latvox_cavities", openvdb::Int64Metadata(static_cast<int64_t>(walk->cavities)));
+  }
   if (const auto& band = certificate.band) grid.insertMeta("latvox_band_width", openvdb::DoubleMetadata(band->width));
   if (certificate.fields.empty()) return;
   const auto name = [](std::string* out, const FieldCertificate& field) { *out += NameOf(field.field); };

@@ -35,14 +35,30 @@ void AddBand(const Band& band, Json& json) {
   }
 }
 
+void AddEnclosed(const Enclosed& enclosed, Json& json) {
+  if (enclosed.close > 0) json["close"] = enclosed.close;
+  if (enclosed.leak_from) json["leak_from"] = *enclosed.leak_from;
+}
+
+void AddConnected(const Connected& connected, Json& json) {
+  json["seed"] = connected.seed;
+  if (connected.close > 0) json["close"] = connected.close;
+  if (connected.allow_outside) json["allow_outside"] = true;
+}
+
+// Whether a separating surface is found: for itself, or for another set.
+bool Separates(const VoxelSet& set) {
+  const auto* const solid = std::get_if<Solid>(&set);
+  return solid != nullptr ? solid->surface == SolidSurface::kSeparating : !std::holds_alternative<Supercover>(set);
+}
+
 // Only a separating surface is thinned.
 void AddSurface(const VoxelizeRequest& request, Json& json) {
   const auto* const solid = std::get_if<Solid>(&request.set);
-  const bool separates =
-      solid != nullptr ? solid->surface == SolidSurface::kSeparating : std::holds_alternative<Surface>(request.set);
   const bool has_surface = solid == nullptr || solid->surface != SolidSurface::kNone;
   if (has_surface) json["separability"] = request.separability;
-  if (separates && request.algorithm == Algorithm::kExact) json["minimal"] = request.minimal.value_or(true);
+  if (Separates(request.set) && request.algorithm == Algorithm::kExact)
+    json["minimal"] = request.minimal.value_or(true);
   json["algorithm"] = kAlgorithms[static_cast<size_t>(request.algorithm)];
 }
 
@@ -72,6 +88,8 @@ Json RequestJson(const VoxelizeRequest& request) {
   if (request.placement) json["placement"] = NameOf(*request.placement);
   json["set"] = NameOf(request.set);
   if (const auto* solid = std::get_if<Solid>(&request.set)) AddSolid(*solid, json);
+  if (const auto* enclosed = std::get_if<Enclosed>(&request.set)) AddEnclosed(*enclosed, json);
+  if (const auto* connected = std::get_if<Connected>(&request.set)) AddConnected(*connected, json);
   if (const auto* band = std::get_if<Band>(&request.set)) {
     AddBand(*band, json);
   } else if (const auto* links = std::get_if<Links>(&request.set)) {

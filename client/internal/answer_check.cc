@@ -328,6 +328,10 @@ absl::Status AnswerCheck::CheckSet(const Certificate& certificate) const {
   if (certificate.band.has_value() != (band() != nullptr)) {
     return Broken("a certificate ", certificate.band ? "of a band" : "without a band");
   }
+  const bool walks = std::holds_alternative<Enclosed>(request_.set) || std::holds_alternative<Connected>(request_.set);
+  if (certificate.walk.has_value() != walks) {
+    return Broken("a certificate ", walks ? "without" : "with", " facts about a walk");
+  }
   if (certificate.band && certificate.band->width != BandWidth()) {
     return Broken("a band of ", certificate.band->width, " instead of ", BandWidth());
   }

@@ -81,6 +81,12 @@ Warning EmptyWhole(const Accepted& accepted, const Certificate& certificate) {
   if (const auto& solid = certificate.solid) {
     return {"EMPTY_RESULT", WhyNothingIsInside(*solid, accepted.grid), "solid"};
   }
+  if (certificate.walk) {
+    return {"EMPTY_RESULT",
+            absl::StrCat("no lattice point is cut off by the mesh, or reached (voxel size ", accepted.grid.voxel_size,
+                         "); a leak from a point inside shows why, and close may close it"),
+            certificate.set};
+  }
   return {"EMPTY_RESULT",
           absl::StrCat("the mesh crosses no step between neighboring lattice points (voxel size ",
                        accepted.grid.voxel_size, ")"),

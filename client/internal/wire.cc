@@ -111,6 +111,41 @@ void SetToProto(const Links& links, v1::VoxelizeSpec& spec) {
   spec.mutable_links()->set_side(static_cast<v1::LinkSide>(static_cast<int>(links.side) + 1));
 }
 
+void SetToProto(const Enclosed& enclosed, v1::VoxelizeSpec& spec) {
+  v1::Enclosed& out = *spec.mutable_enclosed();
+  out.set_surface(ToProto(enclosed.surface));
+  out.set_close(enclosed.close);
+  if (enclosed.leak_from) *out.mutable_leak_from() = ToProto(*enclosed.leak_from);
+}
+
+void SetToProto(const Connected& connected, v1::VoxelizeSpec& spec) {
+  v1::Connected& out = *spec.mutable_connected();
+  *out.mutable_seed() = ToProto(connected.seed);
+  out.set_close(connected.close);
+  out.set_allow_outside(connected.allow_outside);
+}
+
+Leak FromProto(const v1::Leak& leak) {
+  Leak out{.from = FromProto(leak.from()),
+           .steps = leak.steps(),
+           .path = {},
+           .narrowest = FromProto(leak.narrowest()),
+           .narrowest_world = FromProto(leak.narrowest_world()),
+           .room = leak.room(),
+           .box_points = leak.box_points()};
+  if (leak.kind() == v1::LEAK_KIND_IN_SURFACE) out.kind = Leak::Kind::kInSurface;
+  if (leak.kind() == v1::LEAK_KIND_FOUND) out.kind = Leak::Kind::kFound;
+  if (leak.kind() == v1::LEAK_KIND_BOX_TOO_LARGE) out.kind = Leak::Kind::kBoxTooLarge;
+  for (const v1::Ijk& ijk : leak.path()) out.path.push_back(FromProto(ijk));
+  return out;
+}
+
+WalkFacts FromProto(const v1::WalkFacts& walk) {
+  return {.cavities = walk.cavities(),
+          .largest_cavities = {walk.largest_cavities().begin(), walk.largest_cavities().end()},
+          .leak = walk.has_leak() ? std::optional(FromProto(walk.leak())) : std::nullopt};
+}
+
 // Unknown fields are left out.
 std::vector<FieldCertificate> FieldsOf(const v1::Certificate& certificate) {
   std::vector<FieldCertificate> fields;
@@ -155,7 +190,8 @@ Certificate FromProto(const v1::Certificate& certificate) {
           .band = certificate.has_band() ? std::optional(BandFacts{certificate.band().width()}) : std::nullopt,
           .fields = FieldsOf(certificate),
           .signed_distance = certificate.signed_distance(),
-          .whole_minimal = certificate.whole_minimal()};
+          .whole_minimal = certificate.whole_minimal(),
+          .walk = certificate.has_walk() ? std::optional(FromProto(certificate.walk())) : std::nullopt};
 }
 
 v1::RawMesh ToProto(const RawMeshLayout& layout) {

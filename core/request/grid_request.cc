@@ -75,9 +75,9 @@ absl::StatusOr<Grid> ResolveGrid(const Lattice& lattice, const Sampling& samplin
   return Grid{*std::move(scaled), origin.value_or(low)};
 }
 
-Placement PlacementFor(Placement asked, bool is_solid) {
+Placement PlacementFor(Placement asked, bool is_filled) {
   if (asked != Placement::kBySet) return asked;
-  return is_solid ? Placement::kCells : Placement::kPoints;
+  return is_filled ? Placement::kCells : Placement::kPoints;
 }
 
 }  // namespace latvox

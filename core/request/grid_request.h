@@ -26,7 +26,7 @@ struct Sampling {
 //   kPoints   voxel_size = longest side / (resolution - 1); lattice point 0 is the box's low corner
 //   kCells    voxel_size = longest side / resolution; lattice point 0 is half a voxel_size above the low corner, along
 //             each axis of the world
-//   kBySet    kCells for a solid, otherwise kPoints
+//   kBySet    kCells for a set that fills space, otherwise kPoints
 enum class Placement { kBySet, kPoints, kCells };
 
 inline constexpr uint32_t kMaxResolution = 65536;
@@ -55,7 +55,7 @@ absl::StatusOr<Grid> ResolveGrid(const Lattice& lattice, const Sampling& samplin
                                  const Bounds& bounds, Placement placement = Placement::kPoints);
 
 // Returns the placement of a request: kBySet becomes one of the others.
-Placement PlacementFor(Placement asked, bool is_solid);
+Placement PlacementFor(Placement asked, bool is_filled);
 
 }  // namespace latvox
 

@@ -195,13 +195,15 @@ double VisitsOfFields(const TriangleMesh& mesh, double voxels, const VoxelReques
 // Whether the mesh must be closed, so that its area bounds what it encloses.
 bool HasClosedMesh(const VoxelRequest& request) { return request.solid() != nullptr && !request.solid()->force_open; }
 
-// Distances, in each of three scans.
-double VisitsOfClosing(const TriangleMesh& mesh, const WalkSet& walk, double size, StopSignal stop) {
-  constexpr double kScans = 3, kPerDistance = 4;  // at 15 ns; most points are decided by the first triangle
+// Distances, in one or two scans; and the rows of the ball that reached points grow by, at each row of a tile.
+double VisitsOfClosing(const TriangleMesh& mesh, const MeshExtent& extent, const WalkSet& walk, double size,
+                       StopSignal stop) {
+  constexpr double kScans = 2, kPerDistance = 4, kPerRow = 1.4;  // at 15 ns
   if (walk.close == 0) return 0;
   const double width = walk.close / 2;
+  const double rows = std::numbers::pi * width * width * extent.area / (size * size * size * size);
   const double volume = SumOver(mesh, stop, [width](const auto& corners) { return VolumeWithin(corners, width); });
-  return kScans * kPerDistance * volume / (size * size * size);
+  return kScans * kPerDistance * volume / (size * size * size) + kPerRow * rows;
 }
 
 // Links: a star for each pair of a triangle and a voxel that it crosses a link of, once for their ends and once for
@@ -296,7 +298,7 @@ double EstimateVisits(const TriangleMesh& mesh, const MeshExtent& extent, const 
   const double of_surface = visits;
   if (request.is_filled()) visits += EstimateInterior(extent, size, HasClosedMesh(request));
   visits = VisitsOfPart(visits, most, grid, request);
-  if (request.walk() != nullptr) visits += of_surface + VisitsOfClosing(mesh, *request.walk(), size, stop);
+  if (request.walk() != nullptr) visits += of_surface + VisitsOfClosing(mesh, extent, *request.walk(), size, stop);
   if (request.is_supercover()) visits += kVisitsPerTriangle * static_cast<double>(mesh.triangles.size());
   if (request.fields.empty() && request.links() == nullptr) return visits;
   const double ends = Delivered(found, grid, request);

@@ -16,6 +16,9 @@ inline constexpr uint64_t kMostLeakPoints = uint64_t{1} << 25;
 // The most points of a way that are kept: those around the narrowest.
 inline constexpr size_t kMostLeakSteps = 4096;
 
+// With `close`, what a walk keeps for a tile that it reaches in part.
+inline constexpr uint32_t kBytesPerReachedTile = 32 << 10;
+
 struct Leak {
   enum Kind {
     kNone,        // the point is enclosed

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdlib>
 
 #include "core/snap/snap.h"
@@ -37,19 +38,29 @@ struct LongRow {
 Ball::Ball(const BandPlan& length) : reach_(length.reach) {
   for (int32_t i = -reach_[0]; i <= reach_[0]; ++i) {
     for (int32_t j = -reach_[1]; j <= reach_[1]; ++j) {
-      Run run{i, j, 0, -1};
-      for (int32_t k = -reach_[2]; k <= reach_[2]; ++k) {  // the ball is convex
-        const Vec3i v = Vec3i{i, j, k} * kLatticeUnit;
-        if (Inner(length.metric, v, v) > length.limit) continue;
-        if (run.low > run.high) run.low = k;
-        run.high = k;
-      }
+      const Run run = RunAlong(length, i, j);
       if (run.low <= run.high) runs_.push_back(run);
     }
   }
   std::stable_sort(runs_.begin(), runs_.end(), [](const Run& a, const Run& b) {
     return std::abs(a.di) + std::abs(a.dj) < std::abs(b.di) + std::abs(b.dj);
   });
+}
+
+// The ball is convex. Doubles tell about where the run ends, and integers exactly.
+Ball::Run Ball::RunAlong(const BandPlan& length, int32_t i, int32_t j) {
+  const auto inner = [&](const Vec3i& u, const Vec3i& v) {
+    return Inner(length.metric, u * kLatticeUnit, v * kLatticeUnit);
+  };
+  const Vec3i row{i, j, 0}, along{0, 0, 1};
+  const auto a = static_cast<double>(inner(along, along)), b = static_cast<double>(inner(row, along));
+  const double room = static_cast<double>(length.limit - inner(row, row)) + b * b / a;
+  const double middle = -b / a, half = std::sqrt(std::max(room / a, 0.0)) + 1;
+  Run run{i, j, static_cast<int32_t>(std::floor(middle - half)), static_cast<int32_t>(std::ceil(middle + half))};
+  const auto is_in = [&](int32_t k) { return inner({i, j, k}, {i, j, k}) <= length.limit; };
+  while (run.low <= run.high && !is_in(run.low)) ++run.low;
+  while (run.low <= run.high && !is_in(run.high)) --run.high;
+  return run;
 }
 
 // Near rows come first, because they often fill a row at once.

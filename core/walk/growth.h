@@ -31,6 +31,8 @@ class Ball {
     int32_t di, dj, low, high;  // the vectors (di, dj, low .. high)
   };
 
+  static Run RunAlong(const BandPlan& length, int32_t i, int32_t j);
+
   Vec3i reach_;
   std::vector<Run> runs_;  // short ones first
 };

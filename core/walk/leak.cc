@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <optional>
+#include <utility>
 
 #include "core/band/metric.h"
 #include "core/band/triangle_distance.h"
@@ -31,8 +31,9 @@ class WaySearch {
   std::vector<uint32_t> Climb(uint32_t from) const;
   // The least clearance of the widest ways from a point.
   uint8_t WidthFrom(uint32_t from);
-  // A shortest way from a point over points with at least this clearance, without the last point outside.
-  std::vector<uint32_t> ShortestFrom(uint32_t from, uint8_t width, Vec3i& outside);
+  // A way from a point over points with at least this clearance, as few as possible with no more; without the last
+  // point outside.
+  std::vector<uint32_t> WidestFrom(uint32_t from, uint8_t width, Vec3i& outside);
 
   uint32_t NumberOf(const Vec3i& ijk) const {
     const Vec3i at = ijk - box_.min;
@@ -48,10 +49,15 @@ class WaySearch {
   }
 
  private:
+  std::vector<uint32_t> WayTo(uint32_t last, uint32_t first) const;
+  // Looks at the signal now and then.
+  bool IsStopped() { return ++polls_ % 4096 == 0 && stop_.Stopped(); }
+
   const IndexBox box_;
   const Vec3i side_;
   std::vector<uint8_t>& clearance_;
   StopSignal stop_;
+  size_t polls_ = 0;
   std::vector<Vec3i> steps_;
   std::vector<uint8_t> from_;  // by point: 0, or 1 + the number of the step that led there
 };
@@ -69,6 +75,7 @@ void WaySearch::FindClearances() {
   for (uint8_t steps = 1; !shell.empty() && !stop_.Stopped(); steps = std::min<uint8_t>(steps + 1, kMostClearance)) {
     next.clear();
     for (const uint32_t n : shell) {
+      if (IsStopped()) return;
       const Vec3i at = PointAt(n);
       for (const Vec3i& q : steps_) {
         const uint32_t other = NumberOf(at + q);
@@ -102,13 +109,12 @@ uint8_t WaySearch::WidthFrom(uint32_t from) {
   uint8_t width = clearance_[from];
   todo[width].push_back(from);
   from_[from] = 1;
-  size_t polls = 0;
   while (width > 0) {
     if (todo[width].empty()) {
       --width;
       continue;
     }
-    if (++polls % 4096 == 0 && stop_.Stopped()) return 0;
+    if (IsStopped()) return 0;
     const Vec3i at = PointAt(todo[width].back());
     todo[width].pop_back();
     for (const Vec3i& q : steps_) {
@@ -122,37 +128,38 @@ uint8_t WaySearch::WidthFrom(uint32_t from) {
   return 0;
 }
 
-std::vector<uint32_t> WaySearch::ShortestFrom(uint32_t from, uint8_t width, Vec3i& outside) {
+// Breadth first, in turns: narrow points wait until no others are left.
+std::vector<uint32_t> WaySearch::WidestFrom(uint32_t from, uint8_t width, Vec3i& outside) {
   from_.assign(clearance_.size(), 0);
-  std::vector<uint32_t> shell{from}, next;
   from_[from] = kUnknown;
-  const auto way_to = [&](uint32_t last) {
-    std::vector<uint32_t> way{last};
-    while (way.back() != from) {
-      const uint32_t at = way.back();
-      way.push_back(NumberOf(PointAt(at) - steps_[from_[at] - size_t{1}]));
-    }
-    std::reverse(way.begin(), way.end());
-    return way;
-  };
-  while (!shell.empty() && !stop_.Stopped()) {
-    next.clear();
-    for (const uint32_t n : shell) {
-      const Vec3i at = PointAt(n);
+  std::vector<uint32_t> turn{from}, next_turn;
+  for (; !turn.empty(); turn = std::exchange(next_turn, {})) {
+    for (size_t n = 0; n < turn.size(); ++n) {  // it grows
+      if (IsStopped()) return {};
+      const Vec3i at = PointAt(turn[n]);
       for (size_t step = 0; step < steps_.size(); ++step) {
         const uint32_t other = NumberOf(at + steps_[step]);
         if (other == kOutside) {
           outside = at + steps_[step];
-          return way_to(n);
+          return WayTo(turn[n], from);
         }
         if (clearance_[other] < width || from_[other] != 0) continue;
         from_[other] = static_cast<uint8_t>(step + 1);
-        next.push_back(other);
+        (clearance_[other] == width ? next_turn : turn).push_back(other);
       }
     }
-    shell.swap(next);
   }
   return {};
+}
+
+std::vector<uint32_t> WaySearch::WayTo(uint32_t last, uint32_t first) const {
+  std::vector<uint32_t> way{last};
+  while (way.back() != first) {
+    const uint32_t at = way.back();
+    way.push_back(NumberOf(PointAt(at) - steps_[from_[at] - size_t{1}]));
+  }
+  std::reverse(way.begin(), way.end());
+  return way;
 }
 
 }  // namespace
@@ -167,7 +174,7 @@ std::vector<Vec3i> FindWayOut(const std::vector<Frame>& frames, const IndexBox& 
   way.pop_back();
   const uint8_t width = search.WidthFrom(top);
   Vec3i outside{};
-  const std::vector<uint32_t> rest = width == 0 ? std::vector<uint32_t>{} : search.ShortestFrom(top, width, outside);
+  const std::vector<uint32_t> rest = width == 0 ? std::vector<uint32_t>{} : search.WidestFrom(top, width, outside);
   if (rest.empty()) return {};
   const auto is_narrowest = [&](uint32_t n) { return clearance[n] == width; };
   const auto first = std::find_if(rest.begin(), rest.end(), is_narrowest);

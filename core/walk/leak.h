@@ -19,8 +19,8 @@ namespace latvox {
 //
 // A point's clearance is the number of steps from it to the nearest wall. The way first climbs to points of larger
 // clearance, as long as a step leads to one. From there it is one of the widest: its least clearance is as large as
-// that of any. So it passes the hole in the middle of its widest opening. Among the widest ways, it has the fewest
-// steps. Ties go to the first step in lexicographic order.
+// that of any. As few of its points as possible have that clearance. So it passes the hole in the middle of its widest
+// opening, and keeps away from walls elsewhere. Ties go to the first step in lexicographic order.
 //
 //   clearance   of the box's points, i slowest: 0 for walls, otherwise any other number; used as memory
 //   start       in the box, no wall, connected to the outside

@@ -64,7 +64,7 @@ class WalkPass {
     if (node.triangles.empty() && !HasLinksNear(node)) return far(node.tile_ijk, node.level);
     if (!tree_.IsLeaf(node)) return VisitAll(tree_.Children(node), far, near);
     std::unique_ptr<WalkScan> scan = scans_.Reserve();
-    scan->walls.Scan(context_, plan_, node);
+    scan->walls.Scan(context_, plan_.close ? &*plan_.close : nullptr, node);
     for (int32_t n = 0; n < 1 << 3 * node.level && !context_.stop.Stopped(); ++n) {
       near(node.tile_ijk + Vec3i{n >> 2 & 1, n >> 1 & 1, n & 1}, *scan);
     }

@@ -73,10 +73,7 @@ absl::Status Walk::Run(const TileContext& context, WalkPass& pass, const std::op
   facts_.largest.assign(volumes.begin(),
                         volumes.begin() + static_cast<ptrdiff_t>(std::min(volumes.size(), kMostCavities)));
   if (absl::Status status = FindStart(pass, kept, context.stop); !status.ok()) return status;
-  if (ball_) {
-    pass.Run(
-        kept, [](const Vec3i&, int) {}, [this](const Vec3i& tile_ijk, WalkScan& scan) { Keep(tile_ijk, scan); });
-  }
+  if (ball_) KeepReached(pass, kept, context.stop);
   return context.stop.Stopped() ? Cancelled() : absl::OkStatus();
 }
 
@@ -94,6 +91,23 @@ void Walk::Look(const Vec3i& tile_ijk, WalkScan& scan) {
     if (!start_in_wall_) start_piece_ = scan.pieces.pieces().PieceAt(row, at[2]);
   }
   graph_.AddTile(tile_ijk, std::move(pieces));
+  KeepPacked(tile_ijk, Pack(box, scan.pieces.pieces()));
+}
+
+void Walk::KeepPacked(const Vec3i& tile_ijk, PackedPieces packed) {
+  const std::lock_guard lock(kept_mutex_);
+  if (packed.empty() || packed_bytes_ + packed.size() > kMostPackedBytes) {
+    all_packed_ = false;
+    return;
+  }
+  packed_bytes_ += packed.size();
+  packed_[tile_ijk] = std::move(packed);
+}
+
+// Whether a delivered tile with pieces needs the scan of its walls.
+bool Walk::NeedsWalls(const Vec3i& tile_ijk) const {
+  const bool needs_surface = ball_ || (!plan_.with_surface && !plan_.from_seed);
+  return needs_surface || !packed_.contains(tile_ijk);
 }
 
 absl::Status Walk::FindStart(WalkPass& pass, const std::optional<std::vector<uint32_t>>& kept, StopSignal stop) {
@@ -174,6 +188,21 @@ Leak Walk::FindLeak(WalkPass& pass, const std::optional<std::vector<uint32_t>>& 
   return leak;
 }
 
+// Keeps the reached points of all tiles. The walls are found again only if the pieces of some tile are not at hand.
+void Walk::KeepReached(WalkPass& pass, const std::optional<std::vector<uint32_t>>& kept, StopSignal stop) {
+  if (!all_packed_) {
+    pass.Run(
+        kept, [](const Vec3i&, int) {}, [this](const Vec3i& tile_ijk, WalkScan& scan) { Keep(tile_ijk, scan); });
+  } else {
+    WalkScan scan;
+    for (const auto& [tile_ijk, packed] : packed_) {
+      if (stop.Stopped()) return;
+      Keep(tile_ijk, scan);
+    }
+  }
+  packed_ = {};
+}
+
 // Keeps the reached points of a tile that has some, and others.
 void Walk::Keep(const Vec3i& tile_ijk, WalkScan& scan) {
   const WalkGraph::TileNodes* const nodes = graph_.FindTile(tile_ijk);
@@ -191,8 +220,13 @@ bool Walk::AllReached(const WalkGraph::TileNodes& nodes, bool reached) const {
   return true;
 }
 
-// Finds the reached points of a tile with pieces, before they grow. Precondition: the scan has the walls around it.
+// Finds the reached points of a tile with pieces, before they grow. Precondition: the scan has the walls around it, if
+// NeedsWalls.
 void Walk::ReadReached(const Vec3i& tile_ijk, const WalkGraph::TileNodes& nodes, WalkScan& scan, TileRows& rows) const {
+  if (const auto packed = packed_.find(tile_ijk); packed != packed_.end()) {
+    const auto is_reached = [&](uint32_t piece) { return piece < nodes.count && IsReached(nodes.first + piece); };
+    return Unpack(packed->second, is_reached, rows);
+  }
   const HaloBox box(tile_ijk, plan_.steps.reach);
   scan.walls.WallsIn(box, scan.rows);
   if (AllReached(nodes, true)) {
@@ -257,7 +291,8 @@ void Walk::FindTiles(const TileContext& context, const TileNode& node, WalkScan&
   for (int32_t n = 0; n < count && !context.stop.Stopped(); ++n) {
     const Vec3i tile_ijk = node.tile_ijk + Vec3i{n >> 2 & 1, n >> 1 & 1, n & 1};
     const WalkGraph::TileNodes* const nodes = graph_.FindTile(tile_ijk);
-    if (nodes != nullptr && !std::exchange(has_walls, true)) scan.walls.Scan(context, plan_, node);
+    const bool needs_walls = nodes != nullptr && NeedsWalls(tile_ijk);
+    if (needs_walls && !std::exchange(has_walls, true)) scan.walls.Scan(context, nullptr, node);
     if (context.stop.Stopped()) return;
     FindRows(tile_ijk, nodes, scan, context.stop, scan.reached);
     static_assert(sizeof(TileRows) == size_t{kTileSide} * kTileSide * kTileSide / 8);

@@ -23,6 +23,7 @@
 #include "core/walk/graph.h"
 #include "core/walk/growth.h"
 #include "core/walk/leak.h"
+#include "core/walk/packed_pieces.h"
 #include "core/walk/pass.h"
 #include "core/walk/plan.h"
 
@@ -54,8 +55,11 @@ class Walk : public FilledTiles {
 
   absl::Status Run(const TileContext& context, WalkPass& pass, const std::optional<std::vector<uint32_t>>& kept);
   void Look(const Vec3i& tile_ijk, WalkScan& scan);
+  void KeepPacked(const Vec3i& tile_ijk, PackedPieces packed);
+  bool NeedsWalls(const Vec3i& tile_ijk) const;
   absl::Status FindStart(WalkPass& pass, const std::optional<std::vector<uint32_t>>& kept, StopSignal stop);
   Leak FindLeak(WalkPass& pass, const std::optional<std::vector<uint32_t>>& kept, StopSignal stop) const;
+  void KeepReached(WalkPass& pass, const std::optional<std::vector<uint32_t>>& kept, StopSignal stop);
   void Keep(const Vec3i& tile_ijk, WalkScan& scan);
 
   bool IsReached(uint32_t node) const { return graph_.IsConnected(node, origin_); }
@@ -75,8 +79,14 @@ class Walk : public FilledTiles {
   uint32_t start_piece_ = 0;               // of its tile, if that has pieces
   uint32_t origin_ = WalkGraph::kOutside;  // the node where the walk starts
   std::mutex kept_mutex_;
+  // The pieces of tiles, up to kMostPackedBytes; with `close`, only until the reached points are kept. Which ones these
+  // are does not change a set.
+  absl::flat_hash_map<Vec3i, PackedPieces> packed_;
+  size_t packed_bytes_ = 0;
+  bool all_packed_ = true;
   // With `close`: the reached points of tiles that have some, and others.
   absl::flat_hash_map<Vec3i, std::unique_ptr<const TileRows>> kept_;
+  static_assert(sizeof(TileRows) == kBytesPerReachedTile);
   WalkFacts facts_;
 };
 

@@ -6,12 +6,12 @@
 
 namespace latvox {
 
-void WallScan::Scan(const TileContext& context, const WalkPlan& plan, const TileNode& node) {
+void WallScan::Scan(const TileContext& context, const BandPlan* close, const TileNode& node) {
   FindSurface(context, node, block_);
-  has_near_ = plan.close.has_value();
+  has_near_ = close != nullptr;
   if (!has_near_) return;
   near_.words().assign(block_.surface.voxels().where().layout.Words(), 0);
-  AddNear(context, *plan.close, node.triangles);
+  AddNear(context, *close, node.triangles);
 }
 
 // Each decision is a function of one point and one triangle, so neither the order of triangles nor the block matters.

@@ -22,8 +22,9 @@ namespace latvox {
 class WallScan {
  public:
   // Finds the walls in the node and its overlap.
-  //   node   of a tree with margins that include those of plan.close
-  void Scan(const TileContext& context, const WalkPlan& plan, const TileNode& node);
+  //   node    of a tree with margins that include those of `close`
+  //   close   null, or what also makes a wall near the mesh
+  void Scan(const TileContext& context, const BandPlan* close, const TileNode& node);
 
   // The rows of the surface, and of all walls, in a box within the node and its overlap.
   void SurfaceIn(const HaloBox& box, std::vector<WideRow>& rows);

@@ -65,6 +65,26 @@ void ClaimsToProto(const VoxelRequest& request, const JobFacts& facts, const std
   out.set_minimal(is_minimal && uncut && !one_of_several);
 }
 
+void LeakToProto(const Leak& leak, v1::Leak& out) {
+  constexpr v1::LeakKind kKinds[] = {v1::LEAK_KIND_NONE, v1::LEAK_KIND_IN_SURFACE, v1::LEAK_KIND_FOUND,
+                                     v1::LEAK_KIND_BOX_TOO_LARGE};
+  out.set_kind(kKinds[leak.kind]);
+  ToProto(leak.from, *out.mutable_from());
+  out.set_box_points(leak.box_points);
+  if (leak.kind != Leak::kFound) return;
+  out.set_steps(leak.steps);
+  for (const Vec3i& ijk : leak.path) ToProto(ijk, *out.add_path());
+  ToProto(leak.narrowest, *out.mutable_narrowest());
+  ToProto(leak.narrowest_world, *out.mutable_narrowest_world());
+  out.set_room(leak.room);
+}
+
+void WalkToProto(const WalkFacts& walk, v1::WalkFacts& out) {
+  out.set_cavities(walk.cavities);
+  for (const uint64_t points : walk.largest) out.add_largest_cavities(points);
+  if (walk.leak) LeakToProto(*walk.leak, *out.mutable_leak());
+}
+
 // A field without a tile has the digest of nothing.
 void FieldsToProto(const FieldList& fields, const JobTotals& totals, v1::Certificate& out) {
   for (size_t n = 0; n < fields.size(); ++n) {
@@ -118,6 +138,7 @@ v1::Certificate CertificateToProto(const JobSpec& spec, const JobFacts& facts, c
     certificate.mutable_solid()->set_rule(std::string{NameOf(facts.interior_rule)});
     certificate.mutable_solid()->set_unbalanced_lines(facts.unbalanced_lines);
   }
+  if (facts.walk) WalkToProto(*facts.walk, *certificate.mutable_walk());
   if (request.band() != nullptr) certificate.mutable_band()->set_width(facts.band_width);
   FieldsToProto(request.fields, totals, certificate);
   certificate.set_signed_distance(request.signed_distance);

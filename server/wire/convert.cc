@@ -81,6 +81,20 @@ absl::StatusOr<SetOption> LinksFromProto(const v1::Links& links) {
   return Links{*side};
 }
 
+absl::StatusOr<SetOption> EnclosedFromProto(const v1::Enclosed& enclosed) {
+  const absl::StatusOr<SolidSurface> surface =
+      Meaning(kSolidSurfaceNumbers, enclosed.surface(), "enclosed.surface", "a surface");
+  if (!surface.ok()) return surface.status();
+  Enclosed set{.surface = *surface, .close = enclosed.close()};
+  if (enclosed.has_leak_from()) set.leak_from = FromProto(enclosed.leak_from());
+  return set;
+}
+
+absl::StatusOr<SetOption> ConnectedFromProto(const v1::Connected& connected) {
+  if (!connected.has_seed()) return BadSpec("connected.seed is not set", "connected.seed", "");
+  return Connected{FromProto(connected.seed()), connected.close(), connected.allow_outside()};
+}
+
 absl::StatusOr<SetOption> SetFromProto(const v1::VoxelizeSpec& spec) {
   switch (spec.set_case()) {
     case v1::VoxelizeSpec::kSupercover:
@@ -91,6 +105,10 @@ absl::StatusOr<SetOption> SetFromProto(const v1::VoxelizeSpec& spec) {
       return BandFromProto(spec.band());
     case v1::VoxelizeSpec::kLinks:
       return LinksFromProto(spec.links());
+    case v1::VoxelizeSpec::kEnclosed:
+      return EnclosedFromProto(spec.enclosed());
+    case v1::VoxelizeSpec::kConnected:
+      return ConnectedFromProto(spec.connected());
     case v1::VoxelizeSpec::kSurface:
     case v1::VoxelizeSpec::SET_NOT_SET:
       break;
@@ -179,7 +197,7 @@ absl::StatusOr<JobSpec> JobSpecFromProto(const v1::VoxelizeSpec& spec, const Lim
   if (!encoding.ok()) return encoding.status();
   const auto placement = Meaning(kPlacementNumbers, spec.placement(), "placement", "a placement");
   if (!placement.ok()) return placement.status();
-  JobSpec job{*std::move(grid),    PlacementFor(*placement, request->solid() != nullptr),
+  JobSpec job{*std::move(grid),    PlacementFor(*placement, request->is_filled()),
               *std::move(request), *encoding,
               spec.mesh_bytes(),   std::nullopt,
               FieldNamesOf(spec)};

@@ -8,6 +8,7 @@
 #include "absl/strings/str_join.h"
 #include "core/brick/tile_order.h"
 #include "core/voxelizer/estimate.h"
+#include "core/voxelizer/world_box.h"
 #include "server/base/errors.h"
 #include "server/base/exceptions.h"
 #include "server/base/milliseconds.h"
@@ -194,7 +195,13 @@ JobEstimate Computation::EstimateJob(const TriangleMesh& mesh, double voxels) co
   const Solid* const solid = spec_.request.solid();
   const bool keeps_crossings = solid != nullptr && solid->force_open;
   const double crossings = keeps_crossings ? EstimateLineCrossings(mesh, *grid_, stop_.Signal()) : 0;
-  return {voxels, crossings, source_.bounds, grid_->lattice.voxel_size()};
+  const bool walks = spec_.request.walk() != nullptr;
+  return {voxels,
+          crossings,
+          source_.bounds,
+          grid_->lattice.voxel_size(),
+          EstimateWallTiles(mesh_of_job().extent, *grid_, spec_.request),
+          walks ? MostPointsIn(*grid_, source_.bounds) : 0};
 }
 
 // Verification counts without tiles, and takes some twenty times as long as the scan.

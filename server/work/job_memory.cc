@@ -8,6 +8,8 @@
 #include "core/solid/interior.h"
 #include "core/solid/labeled_interior.h"
 #include "core/solid/labels.h"
+#include "core/walk/facts.h"
+#include "core/walk/packed_pieces.h"
 
 namespace latvox {
 namespace {
@@ -61,7 +63,7 @@ absl::Status JobMemory::ReserveMesh(uint64_t triangles, uint64_t vertices) {
 
 absl::Status JobMemory::ReserveJob(const JobEstimate& estimate) {
   const uint64_t kept = ToBytes(estimate.voxels * kBytesPerKeptVoxel);
-  job_bytes_ += BytesOfSolid(estimate.line_crossings) + BytesOfThinning(estimate);
+  job_bytes_ += BytesOfSolid(estimate.line_crossings) + BytesOfWalk(estimate) + BytesOfThinning(estimate);
   if (request_.algorithm() != Algorithm::kExact) job_bytes_ += kept;
   // Reserves for verification now, by an estimate that is seldom too low, because an accepted job should end.
   return memory_.Grow(request_.verify ? job_bytes_ + kept : job_bytes_);
@@ -94,6 +96,21 @@ uint64_t JobMemory::BytesOfSolid(double line_crossings) const {
 }
 
 bool JobMemory::IsLabeled() const { return request_.solid() != nullptr && request_.solid()->labels; }
+
+// More for a job with a walk: its pieces, as measured; with `close`, the reached points of tiles; and the search for a
+// leak. A region reports a leak, too.
+uint64_t JobMemory::BytesOfWalk(const JobEstimate& estimate) const {
+  constexpr double kBytesPerWallTile = 300, kBytesPerPackedTile = 24 << 10, kBytesPerLeakPoint = 2;
+  const WalkSet* const walk = request_.walk();
+  if (walk == nullptr) return 0;
+  const bool closes = walk->close > 0;
+  const double packed = std::min(estimate.wall_tiles * kBytesPerPackedTile, double{kMostPackedBytes});
+  const double per_tile = kBytesPerWallTile + (closes ? double{kBytesPerReachedTile} : 0);
+  const bool finds_leak = walk->leak_from || (walk->seed && !walk->allow_outside);
+  const bool has_room = estimate.box_points <= static_cast<double>(kMostLeakPoints);
+  const double leak = finds_leak && has_room ? estimate.box_points * kBytesPerLeakPoint : 0;
+  return threads_ * kSolidThreadBytes + ToBytes(estimate.wall_tiles * per_tile + packed + leak);
+}
 
 // More for a job that thins: a block's share of the voxels, if they are spread over the requested part of the mesh's
 // box.

@@ -18,6 +18,8 @@ struct JobEstimate {
   double line_crossings = 0;  // the number that it keeps, if it fills a mesh that may be open
   Bounds bounds;              // of the mesh, world units
   double voxel_size = 0;      // world units
+  double wall_tiles = 0;      // the tiles that a walk finds walls in or near
+  double box_points = 0;      // the lattice points of the mesh's box
 };
 
 // Each step reserves its memory before it allocates it:
@@ -60,6 +62,7 @@ class JobMemory {
   uint64_t BytesOf(uint64_t triangles, uint64_t vertices) const;
   uint64_t BytesOfSolid(double line_crossings) const;
   bool IsLabeled() const;
+  uint64_t BytesOfWalk(const JobEstimate& estimate) const;
   uint64_t BytesOfThinning(const JobEstimate& estimate) const;
 
   const VoxelRequest& request_;

@@ -52,6 +52,10 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size) {
   const latvox::Solid* const solid = spec->request.solid();
   // Before the first tile, the job counts the crossings of all lines of a mesh that is not closed.
   constexpr double kManyVoxels = 1e6;
+  const latvox::WalkSet* const walk = spec->request.walk();
+  // A walk looks at the whole mesh before the first tile.
+  if (walk != nullptr && latvox::EstimateVisits(mesh, latvox::ExtentOf(mesh), *grid, spec->request) > kManyVoxels)
+    return 0;
   if (solid != nullptr && latvox::EstimateVoxels(mesh, latvox::ExtentOf(mesh), *grid, spec->request) > kManyVoxels)
     return 0;
   const auto job = latvox::VoxelizeJob::CreateFromValid(mesh, *grid, spec->request);
@@ -72,7 +76,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size) {
   });
   if (!done.ok() || spec->request.part.region || spec->request.part.bounds || spec->request.part.resume_after ||
       (solid != nullptr && !spec->request.has_surface()) || spec->request.band() != nullptr ||
-      spec->request.links() != nullptr)
+      spec->request.links() != nullptr || walk != nullptr)
     return 0;
   const auto verdict = (*job)->Verify(voxels);
   if (!verdict.ok() || verdict->tunnels != 0) std::abort();

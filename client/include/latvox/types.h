@@ -239,7 +239,7 @@ constexpr const char* NameOf(LinkSide side) {
   return kNames[static_cast<size_t>(side)];
 }
 
-// The voxels of the mesh that separate its sides. This type and the next four are sets: see VoxelizeSpec.set in the
+// The voxels of the mesh that separate its sides. This type and the next six are sets: see VoxelizeSpec.set in the
 // protocol.
 struct Surface {
   bool operator==(const Surface&) const = default;
@@ -276,15 +276,37 @@ struct Links {
   bool operator==(const Links&) const = default;
 };
 
-// One set of lattice points.
-using VoxelSet = std::variant<Surface, Supercover, Solid, Band, Links>;
+// The points that no walk from outside of the mesh reaches, by steps between k-neighbors that never enter a voxel of
+// the surface. The mesh need not be closed: see Enclosed in the protocol.
+struct Enclosed {
+  SolidSurface surface = SolidSurface::kSeparating;  // kNone leaves out the surface's voxels; not kSupercover
+  double close = 0;                                  // holes up to this width count as closed, world units
+  std::optional<Vec3d> leak_from = std::nullopt;     // world position whose way outside WalkFacts.leak reports
+  bool operator==(const Enclosed&) const = default;
+};
 
-// "surface", "supercover", "solid", "supercover-solid", "interior", "band" or "links": Certificate.set of its voxels.
+// The points that such a walk reaches from the lattice point nearest to a world position.
+struct Connected {
+  Vec3d seed{};                // world position
+  double close = 0;            // as above
+  bool allow_outside = false;  // otherwise it is an error if the walk gets outside
+  bool operator==(const Connected&) const = default;
+};
+
+// One set of lattice points.
+using VoxelSet = std::variant<Surface, Supercover, Solid, Band, Links, Enclosed, Connected>;
+
+// "surface", "supercover", "solid", "supercover-solid", "interior", "band", "links", "enclosed",
+// "enclosed-interior" or "region": Certificate.set of its voxels.
 constexpr const char* NameOf(const VoxelSet& set) {
   if (std::holds_alternative<Surface>(set)) return "surface";
   if (std::holds_alternative<Supercover>(set)) return "supercover";
   if (std::holds_alternative<Band>(set)) return "band";
   if (std::holds_alternative<Links>(set)) return "links";
+  if (std::holds_alternative<Connected>(set)) return "region";
+  if (const auto* enclosed = std::get_if<Enclosed>(&set)) {
+    return enclosed->surface == SolidSurface::kNone ? "enclosed-interior" : "enclosed";
+  }
   constexpr const char* kNames[] = {"solid", "supercover-solid", "interior"};
   return kNames[static_cast<size_t>(std::get<Solid>(set).surface)];
 }
@@ -319,7 +341,8 @@ struct VoxelizeRequest {
   // Only voxels whose centers lie in this box, exactly as in the whole; the lattice does not move.
   std::optional<WorldBox> bounds = std::nullopt;
   std::optional<RawMeshLayout> raw_mesh = std::nullopt;  // layout of the mesh's bytes; default: they are a Draco stream
-  // The place of lattice points, as far as size and origin leave it open; default: kCells for a solid, else kPoints.
+  // The place of lattice points, as far as size and origin leave it open; default: kPoints for a
+  // surface and a band, else kCells.
   std::optional<Placement> placement = std::nullopt;
 };
 
@@ -403,6 +426,32 @@ struct BandFacts {
   double width = 0;  // world units
 };
 
+// The way by which a walk gets outside: see Leak in the protocol.
+struct Leak {
+  // Whether a walk from the point gets outside.
+  enum class Kind {
+    kNone,         // it does not: the point is enclosed
+    kInSurface,    // the point is a voxel of the surface, or too near to the mesh
+    kFound,        // it does, by this path
+    kBoxTooLarge,  // it does; the mesh's box has too many points to search for a path
+  };
+  Kind kind = Kind::kNone;       // whether there is a way
+  Vec3i from{};                  // the lattice point where it begins
+  uint64_t steps = 0;            // of the whole way
+  std::vector<Vec3i> path = {};  // its lattice points: at most 4096, around the narrowest
+  Vec3i narrowest{};             // the point with the least room, in the middle of the hole
+  Vec3d narrowest_world{};       // its world position
+  double room = 0;               // its distance from the mesh, world units
+  uint64_t box_points = 0;       // of the mesh's box
+};
+
+// What a walk found out about the whole mesh.
+struct WalkFacts {
+  uint64_t cavities = 0;                        // connected sets that no walk from outside reaches
+  std::vector<uint64_t> largest_cavities = {};  // their numbers of lattice points, descending: at most 16
+  std::optional<Leak> leak = std::nullopt;      // for Enclosed::leak_from
+};
+
 // A field of a result.
 struct FieldCertificate {
   Field field = Field::kPart;  // the field that voxels carry
@@ -426,12 +475,13 @@ struct Certificate {
   std::string version;             // of the server
   std::string digest;              // identifies the voxel set: 32 hexadecimal digits
   std::optional<Shard> shard;      // the shard, if the request asked for one
-  std::string set;                 // "surface", "supercover", "solid", "supercover-solid", "interior" or "band"
+  std::string set;                 // the name of the set, as NameOf gives it
   std::optional<SolidFacts> solid = std::nullopt;  // for a solid
   std::optional<BandFacts> band = std::nullopt;    // for a band
   std::vector<FieldCertificate> fields = {};       // one for each of VoxelizeRequest.fields, in their order
   bool signed_distance = false;                    // as in the request
   bool whole_minimal = false;                      // `minimal` of the whole to which this part belongs
+  std::optional<WalkFacts> walk = std::nullopt;    // for an enclosed set and a region
 };
 
 // Wall-clock milliseconds within the server; for a resumed call, within the last server.

@@ -96,7 +96,8 @@ Json RequestJson(const VoxelizeRequest& request) {
                {"resolution", OrNull(request.resolution)},
                {"origin", OrNull(request.origin)},
                {"separability", request.separability},
-               {"minimal", request.minimal.value_or(set == "surface" || set == "solid")},
+               {"minimal", request.minimal.value_or(set != "supercover" && set != "supercover-solid" &&
+                                                    set != "interior" && set != "band")},
                {"verify", request.verify},
                {"algorithm", static_cast<int>(request.algorithm)},
                {"set", set}};
@@ -108,6 +109,12 @@ Json RequestJson(const VoxelizeRequest& request) {
   for (const Field field : request.fields) json["fields"].push_back(NameOf(field));
   if (request.signed_distance) json["signed"] = true;
   if (request.shard) json["shard"] = {request.shard->index, request.shard->count};
+  if (const auto* enclosed = std::get_if<Enclosed>(&request.set)) {
+    json["walk"] = {enclosed->close, OrNull(enclosed->leak_from)};
+  }
+  if (const auto* connected = std::get_if<Connected>(&request.set)) {
+    json["walk"] = {connected->close, connected->seed, connected->allow_outside};
+  }
   if (const auto* solid = std::get_if<Solid>(&request.set)) {
     json["solid"] = {static_cast<int>(solid->rule), solid->force_open};
     if (solid->labels) json["labels"] = NameOf(*solid->labels);

@@ -23,6 +23,22 @@ std::array<double, 9> Flat(const Basis& basis) {
   return {a[0], a[1], a[2], b[0], b[1], b[2], c[0], c[1], c[2]};
 }
 
+constexpr const char* kLeakKinds[] = {"enclosed", "in the surface", "leak", "box too large"};
+
+Json WalkJson(const WalkFacts& walk) {
+  Json json = {{"cavities", walk.cavities}, {"largest_cavities", walk.largest_cavities}};
+  if (!walk.leak) return json;
+  const Leak& leak = *walk.leak;
+  Json& out = json["leak"] = {{"kind", kLeakKinds[static_cast<size_t>(leak.kind)]}, {"from", leak.from}};
+  if (leak.kind != Leak::Kind::kFound) return json;
+  out["steps"] = leak.steps;
+  out["narrowest"] = leak.narrowest;
+  out["narrowest_world"] = leak.narrowest_world;
+  out["room"] = leak.room;
+  out["path"] = leak.path;
+  return json;
+}
+
 Json CertificateJson(const Certificate& certificate) {
   Json json = {{"tunnels", certificate.verified ? Json(certificate.tunnels) : Json()},
                {"redundant", certificate.verified ? Json(certificate.redundant) : Json()},
@@ -40,6 +56,7 @@ Json CertificateJson(const Certificate& certificate) {
     json["rule"] = solid->rule;
     json["unbalanced_lines"] = solid->unbalanced_lines;
   }
+  if (certificate.walk) json["walk"] = WalkJson(*certificate.walk);
   return json;
 }
 
@@ -78,8 +95,8 @@ Json LimitsJson(const Limits& limits) {
 std::string SeparationText(const Certificate& certificate) {
   if (const auto& band = certificate.band) return absl::StrFormat("band of %g", band->width);
   const std::string k = absl::StrCat(certificate.separability);
-  if (certificate.set == "interior") return "interior";
   if (certificate.set == "links") return absl::StrCat("ends of links, k = ", k);
+  if (!certificate.tunnel_free && (certificate.walk || certificate.set == "interior")) return certificate.set;
   if (!certificate.tunnel_free) return absl::StrCat("k = ", k, ", ", certificate.algorithm);
   if (certificate.set == "supercover" || certificate.set == "supercover-solid") return "supercover";
   return absl::StrCat(k, "-separating", certificate.minimal ? ", minimal" : "");
@@ -96,6 +113,35 @@ std::string FillText(const Certificate& certificate) {
     absl::StrAppend(&text, "not filled: ", solid->unbalanced_lines, " lattice lines along k that end unbalanced\n");
   }
   return text;
+}
+
+std::string LeakText(const Leak& leak, double voxel_size) {
+  const std::string from = absl::StrJoin(leak.from, ",");
+  switch (leak.kind) {
+    case Leak::Kind::kNone:
+      return absl::StrCat("no leak: lattice point ", from, " is enclosed\n");
+    case Leak::Kind::kInSurface:
+      return absl::StrCat("no leak: lattice point ", from, " lies in the surface, or with --close too near to it\n");
+    case Leak::Kind::kBoxTooLarge:
+      return absl::StrCat("leak: the walk from lattice point ", from, " gets outside; a way is not searched among ",
+                          leak.box_points, " points, ask at a lower resolution\n");
+    case Leak::Kind::kFound:
+      break;
+  }
+  return absl::StrFormat(
+      "leak: the walk from lattice point %s gets outside in %d steps, through an opening around %s\n"
+      "      its middle is %.4g from the mesh; --close %.3g may close it\n",
+      from, leak.steps, absl::StrJoin(leak.narrowest_world, ","), leak.room, 2 * leak.room + voxel_size);
+}
+
+std::string WalkText(const Certificate& certificate, double voxel_size) {
+  const auto& walk = certificate.walk;
+  if (!walk) return "";
+  std::string text = Count(walk->cavities, "enclosed part");
+  if (!walk->largest_cavities.empty())
+    absl::StrAppend(&text, ", the largest of ", walk->largest_cavities[0], " points");
+  text += "\n";
+  return walk->leak ? text + LeakText(*walk->leak, voxel_size) : text;
 }
 
 std::string FieldsText(const Certificate& certificate) {
@@ -218,7 +264,8 @@ std::string ToText(const VoxelizeReport& report) {
                         report.accepted.grid.voxel_size, resolution, SeparationText(certificate),
                         NameOf(report.accepted.placement));
   absl::StrAppend(&text, Count(report.summary.voxels, "voxel"), " in ", Count(report.summary.bricks, "brick"),
-                  ", digest ", certificate.digest, "\n", FillText(certificate), FieldsText(certificate),
+                  ", digest ", certificate.digest, "\n", FillText(certificate),
+                  WalkText(certificate, report.accepted.grid.voxel_size), FieldsText(certificate),
                   VerificationText(certificate));
   if (report.dropped > 0) {
     absl::StrAppend(&text, Count(report.dropped, "voxel"),

@@ -103,7 +103,10 @@ const Names<VoxelSet>& SetNames() {
                           {"supercover-solid", Solid{.surface = SolidSurface::kSupercover}},
                           {"interior", Solid{.surface = SolidSurface::kNone}},
                           {"band", Band{}},
-                          {"links", Links{}}};
+                          {"links", Links{}},
+                          {"enclosed", Enclosed{}},
+                          {"enclosed-interior", Enclosed{.surface = SolidSurface::kNone}},
+                          {"region", Connected{}}};
   return *kNames;
 }
 
@@ -165,7 +168,9 @@ std::vector<OptionRow> SetRows(VoxelizeWords& words) {
        .word_help = {"the fewest voxels of the mesh that let no path through", "all voxels whose cell meets the mesh",
                      "surface and interior of a closed mesh", "supercover and interior",
                      "only points whose center is inside", "all points near the mesh, see --band",
-                     "both ends of every link between neighbors that the mesh crosses"},
+                     "both ends of every link between neighbors that the mesh crosses",
+                     "surface and all points that no walk from outside reaches; the mesh may be open",
+                     "the same without the surface", "all points that a walk from --seed reaches"},
        .standard = "surface; band with --band"},
       {.names = "--rule",
        .target = &words.rule,
@@ -178,6 +183,24 @@ std::vector<OptionRow> SetRows(VoxelizeWords& words) {
       {.names = "--force-open",
        .target = &words.force_open,
        .help = "Fill a mesh that is not closed, except along lattice lines in k that end unbalanced"},
+      {.names = "--seed",
+       .target = &words.seed,
+       .help = "World position where the walk of a region starts, at the nearest lattice point",
+       .value = "X,Y,Z",
+       .checks = {{CheckNumbers<double, 3>}}},
+      {.names = "--close",
+       .target = &words.close,
+       .help = "Treat holes up to G world units wide as closed, for enclosed sets and regions",
+       .value = "G",
+       .checks = {{CheckPositive}}},
+      {.names = "--leak-from",
+       .target = &words.leak_from,
+       .help = "Tell how a walk from this world position gets out of an enclosed set",
+       .value = "X,Y,Z",
+       .checks = {{CheckNumbers<double, 3>}}},
+      {.names = "--allow-outside",
+       .target = &words.allow_outside,
+       .help = "Let the walk of a region get outside; the region ends at the mesh's box"},
       {.names = "--band",
        .target = &words.band,
        .help = "Width of a band: all points within distance W of the mesh, or within W voxel sizes (Wv)",
@@ -221,6 +244,40 @@ std::vector<OptionRow> SetRows(VoxelizeWords& words) {
        .standard = "all voxels stay"}};
 }
 
+namespace {
+
+Vec3d PositionOf(const std::string& text) {
+  Vec3d position{};
+  ParseNumbers(text, position);
+  return position;
+}
+
+// Writes what only sets with a walk have, and refuses it for others.
+void InterpretWalk(const VoxelizeWords& words, const std::string& name, VoxelSet& set) {
+  auto* const enclosed = std::get_if<Enclosed>(&set);
+  auto* const connected = std::get_if<Connected>(&set);
+  double close = 0;
+  if (!words.close.empty()) ParseNumber(words.close, close);
+  if (enclosed != nullptr) {
+    enclosed->close = close;
+    if (!words.leak_from.empty()) enclosed->leak_from = PositionOf(words.leak_from);
+  } else if (!words.leak_from.empty()) {
+    Refuse("--leak-from: needs --set enclosed or enclosed-interior, not ", name);
+  }
+  if (connected != nullptr) {
+    if (words.seed.empty()) Refuse("--set: region needs --seed X,Y,Z");
+    *connected = {PositionOf(words.seed), close, words.allow_outside};
+    return;
+  }
+  if (!words.seed.empty()) Refuse("--seed: needs --set region, not ", name);
+  if (words.allow_outside) Refuse("--allow-outside: needs --set region, not ", name);
+  if (enclosed == nullptr && !words.close.empty()) {
+    Refuse("--close: needs --set enclosed, enclosed-interior or region, not ", name);
+  }
+}
+
+}  // namespace
+
 VoxelSet InterpretSet(const VoxelizeWords& words) {
   const std::string name = !words.set.empty() ? words.set : words.band.empty() ? "surface" : "band";
   VoxelSet set = ValueNamed(SetNames(), name);
@@ -235,6 +292,7 @@ VoxelSet InterpretSet(const VoxelizeWords& words) {
   } else if (!words.side.empty()) {
     Refuse("--side: needs --set links, not ", name);
   }
+  InterpretWalk(words, name, set);
   if (auto* solid = std::get_if<Solid>(&set)) {
     solid->rule = RuleOf(words);
     solid->force_open = words.force_open;

@@ -43,7 +43,8 @@ struct VoxelizeWords : MeshWords {
   std::string lattice, basis, voxel_size, resolution, origin, region, bounds, shard, quantization = "auto";
   std::string output_format, npy, separability, algorithm, upload, encoding, set, rule, placement, band, side, fields,
       labels, priority, alpha_cutoff;
-  bool force_open = false, is_signed = false;
+  std::string seed, close, leak_from;
+  bool force_open = false, is_signed = false, allow_outside = false;
   std::optional<bool> minimal;
 };
 

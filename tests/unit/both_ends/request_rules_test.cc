@@ -103,6 +103,33 @@ std::vector<Spelling> LinkSpellings() {
            {"--set", "links"}}};
 }
 
+std::vector<Spelling> WalkSpellings() {
+  using Core = VoxelizeOptions;
+  using Proto = v1::VoxelizeSpec;
+  using Sdk = client::VoxelizeRequest;
+  return {
+      {"enclosed",
+       [](Core& o) { o.set = Enclosed{}; },
+       [](Proto& s) { s.mutable_enclosed(); },
+       [](Sdk& r) { r.set = client::Enclosed{}; },
+       {"--set", "enclosed"}},
+      {"connected",
+       [](Core& o) {
+         o.set = Connected{.seed = {2, 2, 1}, .close = 0, .allow_outside = true};
+       },
+       [](Proto& s) {
+         s.mutable_connected()->mutable_seed()->set_x(2);
+         s.mutable_connected()->mutable_seed()->set_y(2);
+         s.mutable_connected()->mutable_seed()->set_z(1);
+         s.mutable_connected()->set_allow_outside(true);
+       },
+       [](Sdk& r) {
+         r.set = client::Connected{.seed = {2, 2, 1}, .close = 0, .allow_outside = true};
+       },
+       {"--set", "region", "--seed", "2,2,1", "--allow-outside"}},
+  };
+}
+
 std::vector<Spelling> PartSpellings() {
   using Core = VoxelizeOptions;
   using Proto = v1::VoxelizeSpec;
@@ -163,6 +190,7 @@ std::vector<Spelling> PartSpellings() {
 std::vector<Spelling> Spellings() {
   std::vector<Spelling> all = SetSpellings();
   for (Spelling& spelling : LinkSpellings()) all.push_back(std::move(spelling));
+  for (Spelling& spelling : WalkSpellings()) all.push_back(std::move(spelling));
   for (Spelling& spelling : PartSpellings()) all.push_back(std::move(spelling));
   return all;
 }

@@ -95,6 +95,22 @@ TEST(Rules, AllowSeparabilityForEverySetWithFieldsOfLinks) {
   }
 }
 
+TEST(Rules, JudgeWalks) {
+  using Words = std::vector<std::string>;
+  EXPECT_EQ(RefusalOf({.set = Enclosed{.surface = SolidSurface::kSupercover}}),
+            (Words{"enclosed.surface supercover: is not separating or none", "enclosed.surface", "supercover", ""}));
+  EXPECT_EQ(RefusalOf({.set = Enclosed{.close = -1}}),
+            (Words{"enclosed.close -1 is not a finite number from 0 on", "enclosed.close", "-1", "0"}));
+  EXPECT_EQ(RefusalOf({.set = Connected{.seed = {0, INFINITY, 0}}}),
+            (Words{"connected.seed.y inf is not finite", "connected.seed.y", "inf", ""}));
+  const VoxelRequest enclosed = *MakeRequest({.separability = 2, .set = Enclosed{.surface = SolidSurface::kNone}});
+  EXPECT_TRUE(enclosed.walk() != nullptr && enclosed.is_minimal() && !enclosed.has_surface());
+  EXPECT_EQ(NameOfSet(enclosed), "enclosed-interior");
+  const VoxelRequest region = *MakeRequest({.minimal = false, .set = Connected{.seed = {1, 2, 3}}});
+  EXPECT_TRUE(region.walk()->seed == (Vec3d{1, 2, 3}) && !region.is_minimal() && region.is_filled());
+  EXPECT_EQ(NameOfSet(region), "region");
+}
+
 TEST(Rules, EachExclusionStandsOnceAndNamesTwoOptions) {
   std::vector<std::pair<std::string_view, std::string_view>> pairs;
   for (const Exclusion& rule : Exclusions()) {

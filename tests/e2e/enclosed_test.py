@@ -1,0 +1,89 @@
+"""`--set enclosed` and `--set region` with the real tool: the example of the page, refusals, parts, batches."""
+
+import json
+import pathlib
+import re
+import unittest
+
+from harness import Case, box, latvox, rows, write_obj
+
+PAGE = pathlib.Path(__file__).resolve().parents[2] / "client/docs/sets.md"
+CABIN, TUNNEL = "2.1,0.9,1.3", "-2,1,2"
+
+
+class Enclosed(Case):
+    def setUp(self):
+        super().setUp()
+        for name, text in re.findall(r"cat > (\w+\.obj) <<'END'\n(.*?)END\n", PAGE.read_text(), re.S):
+            (self.dir / name).write_text(text)
+        self.car, self.tunnel = self.dir / "car.obj", self.dir / "tunnel.obj"
+        self.grid = ("--voxel-size", "0.05")
+
+    def test_a_leak_is_explained_and_closed(self):
+        leaky = self.voxelize(self.car, *self.grid, "--set", "enclosed", "--leak-from", CABIN)
+        leak = leaky["certificate"]["walk"]["leak"]
+        self.assertEqual(leak["kind"], "leak")
+        x, y, z = leak["narrowest_world"]
+        self.assertTrue(1.3 < x < 2.95 and abs(y - 0.1) < 0.06 and 1.35 < z < 1.45, leak)
+        self.assertEqual(leak["path"][0], leak["from"])
+        self.assertEqual(len(leak["path"]), leak["steps"] + 1)
+        closed = self.voxelize(self.car, *self.grid, "--set", "enclosed", "--close", "0.15", "--leak-from", CABIN)
+        self.assertEqual(closed["certificate"]["walk"]["leak"]["kind"], "enclosed")
+        self.assertEqual(closed["certificate"]["walk"]["cavities"], 2)
+        self.assertGreater(closed["voxels"], leaky["voxels"])
+        text = latvox("voxelize", self.car, *self.grid, "--set", "enclosed", "--leak-from", CABIN, "-o", self.dir / "a.csv")
+        self.assertIn("through an opening around", text.stdout)
+
+    def test_the_fluid_around_a_car_is_not_in_its_cabin(self):
+        fluid = ("--set", "region", "--seed", TUNNEL)
+        open_car = self.voxelize(self.car, self.tunnel, *self.grid, *fluid, out="open.npy")
+        closed = self.voxelize(self.car, self.tunnel, *self.grid, *fluid, "--close", "0.15", out="closed.npy")
+        cabin = 1.0 * 1.6 * 0.4 / 0.05**3
+        self.assertGreater(open_car["voxels"] - closed["voxels"], cabin)
+        self.assertEqual(closed["certificate"]["set"], "region")
+        self.assertFalse(closed["certificate"]["tunnel_free"])
+
+    def test_bad_requests_name_what_is_wrong(self):
+        for options, status, message in (
+            (("--set", "region"), 2, "--set: region needs --seed X,Y,Z"),
+            (("--set", "solid", "--seed", "0,0,0"), 2, "--seed: needs --set region, not solid"),
+            (("--close", "1"), 2, "--close: needs --set enclosed, enclosed-interior or region, not surface"),
+            (("--set", "region", "--seed", CABIN), 3, "through an opening around"),
+            (("--set", "region", "--seed", "2.025,0.025,0.725"), 3, "connected.seed: the nearest lattice point"),
+            (("--set", "enclosed", "--close", "99"), 3, "enclosed.close 99: of half of it, a width of 49.5 reaches over"),
+        ):
+            with self.subTest(options):
+                done = latvox("voxelize", self.car, *self.grid, *options, "-o", self.dir / "bad.csv")
+                self.assertEqual(done.returncode, status, done.stderr)
+                self.assertIn(message, done.stderr)
+
+    def test_parts_and_batches_are_those_of_the_whole(self):
+        whole = self.voxelize(self.car, *self.grid, "--set", "enclosed-interior", "--close", "0.15")
+        voxels = set(rows(self.dir / "out.csv"))
+        self.assertEqual(whole["certificate"]["set"], "enclosed-interior")
+        parts = set()
+        for shard in ("0/2", "1/2"):
+            self.voxelize(self.car, *self.grid, "--set", "enclosed-interior", "--close", "0.15", "--shard", shard, out="part.csv")
+            parts |= set(rows(self.dir / "part.csv"))
+        self.assertEqual(parts, voxels)
+        job = {"mesh": str(self.car), "voxel_size": 0.05, "set": "enclosed-interior", "close": 0.15, "out": "job.csv"}
+        (self.dir / "jobs.jsonl").write_text(json.dumps(job) + "\n")
+        done = latvox("batch", self.dir / "jobs.jsonl", "--out", self.dir / "done")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(set(rows(self.dir / "done" / "job.csv")), voxels)
+
+    def test_a_vdb_tells_what_was_asked(self):
+        self.voxelize(self.car, *self.grid, "--set", "region", "--seed", "2,0.9,0.7", out="body.vdb")
+        info = json.loads(latvox("info", self.dir / "body.vdb", "--json").stdout)
+        self.assertIn('"seed":[2.0,0.9,0.7]', json.dumps(info).replace("\\", "").replace(" ", ""))
+
+    def test_a_closed_box_is_its_solid(self):
+        mesh = write_obj(self.dir / "box.obj", box((0, 0, 0), (1, 1, 1)))
+        solid = self.voxelize(mesh, "--voxel-size", "0.1", "--set", "solid")
+        enclosed = self.voxelize(mesh, "--voxel-size", "0.1", "--set", "enclosed")
+        self.assertEqual(enclosed["digest"], solid["digest"])
+        self.assertEqual(enclosed["placement"], "cells")
+
+
+if __name__ == "__main__":
+    unittest.main()
