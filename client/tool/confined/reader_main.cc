@@ -11,7 +11,9 @@
 #include <utility>
 #include <vector>
 
+#include "absl/status/status.h"
 #include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
 #include "client/grid/grid_stream.h"
 #include "client/tool/confined/content_wire.h"
 #include "client/tool/confined/reader_process.h"
@@ -62,6 +64,11 @@ absl::StatusOr<GridContent> Read(std::istream& in, const std::string& what, cons
   return GridContent{{*std::move(info), {}}};
 }
 
+absl::StatusOr<GridContent> CannotConfine(const std::string& path, const absl::Status& reason) {
+  return absl::ResourceExhaustedError(
+      absl::StrCat(path, ": the process that reads it cannot give up its rights: ", reason.message()));
+}
+
 }  // namespace
 
 bool IsReader(int argc, char** argv) { return argc == kArguments && argv[1] == std::string(kReaderArgument); }
@@ -80,9 +87,10 @@ void ReadForParent(char** argv) {
   __gnu_cxx::stdio_filebuf<char> buffer(kReaderFile, std::ios::in | std::ios::binary, kBufferBytes);
   std::istream in(&buffer);
   const bool has_own_limit = AddressLimit() != UINT64_MAX;
-  if (!ConfineReader(parent, limits).ok()) GiveUp();
-  const auto content = Read(in, argv[5], argv[6]);
-  if (content.status().code() == absl::StatusCode::kResourceExhausted && !has_own_limit) _exit(kReaderOutOfMemory);
+  const absl::Status confined = ConfineReader(parent, limits);
+  const auto content = confined.ok() ? Read(in, argv[5], argv[6]) : CannotConfine(argv[6], confined);
+  if (confined.ok() && content.status().code() == absl::StatusCode::kResourceExhausted && !has_own_limit)
+    _exit(kReaderOutOfMemory);
   Channel channel;
   SendContent(content, [&channel](const void* from, size_t bytes) { channel.Send(from, bytes); });
   channel.Flush();

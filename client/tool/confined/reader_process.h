@@ -21,7 +21,7 @@ inline constexpr int kReaderFile = 3, kReaderChannel = 4;
 
 // Its exit statuses.
 inline constexpr int kReaderDone = 0;          // a result or an error was sent
-inline constexpr int kReaderFailed = 1;        // it could not be confined, or the parent has ended
+inline constexpr int kReaderFailed = 1;        // it could not send a byte
 inline constexpr int kReaderOutOfMemory = 77;  // beyond ReaderLimits
 
 // What a file may cost. A whole file takes far less: OpenVDB unpacks up to 45 bytes from one, and reads some megabytes
