@@ -10,7 +10,7 @@
 namespace latvox::client {
 namespace {
 
-// Of a voxel: a number for each neighbor.
+// A voxel has at most a number for each neighbor.
 constexpr size_t kMostFieldBytes = sizeof(float) * kMostNeighbors;
 
 }  // namespace

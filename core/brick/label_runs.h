@@ -9,7 +9,7 @@
 
 namespace latvox {
 
-// Of a point without a label; no label has this number.
+// A point without a label has this number, and no label has it.
 inline constexpr uint32_t kNoLabel = std::numeric_limits<uint32_t>::max();
 
 struct LabelRun {

@@ -43,7 +43,7 @@ struct FieldFacts {
   // A field of the mesh: the largest number of a vertex; the smallest is 0. Other fields have 0 here.
   uint32_t largest = 0;
 
-  // Of a voxel with so many neighbors.
+  // The size of a voxel's value, if the voxel has so many neighbors.
   constexpr size_t bytes(size_t neighbors) const { return (is_of_links() ? neighbors : components) * BytesOf(type); }
   // Whether it says where the links to a voxel's neighbors meet the mesh.
   constexpr bool is_of_links() const { return components == 0; }
@@ -114,7 +114,7 @@ class FieldList {
   constexpr FieldList OfNearest() const { return Those(false); }
   constexpr FieldList OfLinks() const { return Those(true); }
 
-  // Of a voxel with so many neighbors.
+  // The size of a voxel's values, if the voxel has so many neighbors.
   constexpr size_t bytes(size_t neighbors) const {
     size_t sum = 0;
     for (const Field field : view()) sum += FactsOf(field).bytes(neighbors);

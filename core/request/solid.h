@@ -49,7 +49,7 @@ struct Solid {
   std::vector<uint32_t> priority = {};
 };
 
-// Of a labeled solid.
+// The most labels that a solid can have.
 inline constexpr size_t kMaxLabels = 1 << 16;
 
 }  // namespace latvox

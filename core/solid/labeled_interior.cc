@@ -110,7 +110,7 @@ class ClosedLabeledInterior : public Interior {
   }
 
  private:
-  // Of a tile, that are kept at a time: a few megabytes.
+  // A tile keeps so many at a time: a few megabytes.
   static constexpr size_t kMostCrossings = 1 << 18;
 
   // Takes the same memory for any number of triangles and labels. From the highest priority down, each label gets the

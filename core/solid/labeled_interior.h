@@ -19,7 +19,7 @@ namespace latvox {
 struct LabelBalance {
   InteriorRule rule;              // never kAuto: kWinding if each label is oriented, otherwise kParity for all
   uint64_t unbalanced_lines = 0;  // the sum over all labels
-  // Of labels that have no inside:
+  // Labels that have no inside:
   size_t open_labels = 0;
   uint32_t first_open = kNoLabel;  // the smallest number
   uint64_t first_lines = 0;        // unbalanced lines of first_open

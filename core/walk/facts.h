@@ -1,4 +1,4 @@
-// What a walk found out about a mesh.
+// Facts about a mesh, from a walk.
 #ifndef LATVOX_CORE_WALK_FACTS_H_
 #define LATVOX_CORE_WALK_FACTS_H_
 

@@ -105,6 +105,38 @@ void Declare(CLI::App& app, Arguments& arguments, Words& words) {
   app.add_flag("--json", arguments.json);
 }
 
+// Refuses options that do not go together.
+absl::Status CheckTogether(const CLI::App& app, const Words& named, const Arguments& arguments) {
+  const VoxelizeOptions& options = named.options;
+  const std::pair<const char*, bool> ours[] = {{"--lattice", arguments.lattice != "cartesian"},
+                                               {"--basis", !arguments.basis.empty()},
+                                               {"--region", !named.region.empty()},
+                                               {"--bounds", !named.bounds.empty()},
+                                               {"--shard", !named.shard.empty()},
+                                               {"--algorithm", options.algorithm != Algorithm::kExact},
+                                               {"--set", !named.set.empty()},
+                                               {"--fields", !named.fields.empty()}};
+  for (const auto& [option, is_given] : ours) {
+    if (arguments.openvdb && is_given) {
+      return absl::InvalidArgumentError(absl::StrCat("--peer: OpenVDB has no equivalent of ", option));
+    }
+  }
+  if (!std::holds_alternative<Solid>(options.set) && app.count("--rule") > 0) {
+    return absl::InvalidArgumentError("--rule: needs --set solid or interior");
+  }
+  if ((named.set == "region") != !named.seed.empty()) {
+    return absl::InvalidArgumentError("--seed: goes with --set region, and with no other set");
+  }
+  if (named.close > 0 && named.set != "enclosed" && named.set != "region") {
+    return absl::InvalidArgumentError("--close: needs --set enclosed or region");
+  }
+  if (!std::holds_alternative<Links>(options.set) && app.count("--side") > 0) {
+    return absl::InvalidArgumentError("--side: needs --set links");
+  }
+  if (named.band > 0 && !named.set.empty()) return absl::InvalidArgumentError("--band: is a set, as --set is");
+  return absl::OkStatus();
+}
+
 constexpr char kUsage[] =
     "Times the voxelizer, memory to memory: latvox_bench MESH RESOLUTION [OPTIONS].\n"
     "`latvox_bench -` reads the arguments of one measurement from each line of standard input.";
@@ -141,32 +173,7 @@ absl::StatusOr<Arguments> ParseArguments(std::vector<std::string> words) {
   if (named.band > 0 && named.fields.empty()) options.fields = {Field::kDistance};
   arguments.simd = *SimdNamed(named.simd);
   arguments.openvdb = !named.peer.empty();
-  const std::pair<const char*, bool> ours[] = {{"--lattice", arguments.lattice != "cartesian"},
-                                               {"--basis", !arguments.basis.empty()},
-                                               {"--region", !named.region.empty()},
-                                               {"--bounds", !named.bounds.empty()},
-                                               {"--shard", !named.shard.empty()},
-                                               {"--algorithm", options.algorithm != Algorithm::kExact},
-                                               {"--set", !named.set.empty()},
-                                               {"--fields", !named.fields.empty()}};
-  for (const auto& [option, is_given] : ours) {
-    if (arguments.openvdb && is_given) {
-      return absl::InvalidArgumentError(absl::StrCat("--peer: OpenVDB has no equivalent of ", option));
-    }
-  }
-  if (!std::holds_alternative<Solid>(options.set) && app.count("--rule") > 0) {
-    return absl::InvalidArgumentError("--rule: needs --set solid or interior");
-  }
-  if ((named.set == "region") != !named.seed.empty()) {
-    return absl::InvalidArgumentError("--seed: goes with --set region, and with no other set");
-  }
-  if (named.close > 0 && named.set != "enclosed" && named.set != "region") {
-    return absl::InvalidArgumentError("--close: needs --set enclosed or region");
-  }
-  if (!std::holds_alternative<Links>(options.set) && app.count("--side") > 0) {
-    return absl::InvalidArgumentError("--side: needs --set links");
-  }
-  if (named.band > 0 && !named.set.empty()) return absl::InvalidArgumentError("--band: is a set, as --set is");
+  if (auto status = CheckTogether(app, named, arguments); !status.ok()) return status;
   if (app.count("--minimal") > 0) options.minimal = named.minimal;
   if (const auto& r = named.region; !r.empty()) options.region = {{r[0], r[1], r[2]}, {r[3], r[4], r[5]}};
   if (const auto& b = named.bounds; !b.empty()) options.bounds = {{b[0], b[1], b[2]}, {b[3], b[4], b[5]}};

@@ -87,7 +87,7 @@ struct Shard {
   bool operator==(const Shard&) const = default;
 };
 
-// What voxels can carry, from the nearest triangle of the mesh or for each neighbor: see Field in the protocol.
+// The values that voxels can carry, of the nearest triangle or for each neighbor: see Field in the protocol.
 enum class Field {
   kPart,      // the part of the mesh
   kMaterial,  // the material
@@ -445,7 +445,7 @@ struct Leak {
   uint64_t box_points = 0;       // of the mesh's box
 };
 
-// What a walk found out about the whole mesh.
+// Facts about the whole mesh, from a walk.
 struct WalkFacts {
   uint64_t cavities = 0;                        // connected sets that no walk from outside reaches
   std::vector<uint64_t> largest_cavities = {};  // their numbers of lattice points, descending: at most 16

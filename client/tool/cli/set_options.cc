@@ -157,9 +157,7 @@ void CheckCarry(const std::vector<Field>& fields, const std::vector<std::string>
   }
 }
 
-}  // namespace
-
-std::vector<OptionRow> SetRows(VoxelizeWords& words) {
+std::vector<OptionRow> PointRows(VoxelizeWords& words) {
   return {
       {.names = "--set",
        .target = &words.set,
@@ -211,7 +209,11 @@ std::vector<OptionRow> SetRows(VoxelizeWords& words) {
        .help = "Ends of links that belong to --set links; for one side, the mesh must be closed",
        .words = WordsOf(SideNames()),
        .word_help = {"all", "only those inside", "only those outside"},
-       .standard = "both"},
+       .standard = "both"}};
+}
+
+std::vector<OptionRow> FieldRows(VoxelizeWords& words) {
+  return {
       {.names = "--fields",
        .target = &words.fields,
        .help = "What each voxel carries: from its nearest triangle part, material, color, distance, triangle, point, "
@@ -244,8 +246,6 @@ std::vector<OptionRow> SetRows(VoxelizeWords& words) {
        .standard = "all voxels stay"}};
 }
 
-namespace {
-
 Vec3d PositionOf(const std::string& text) {
   Vec3d position{};
   ParseNumbers(text, position);
@@ -277,6 +277,12 @@ void InterpretWalk(const VoxelizeWords& words, const std::string& name, VoxelSet
 }
 
 }  // namespace
+
+std::vector<OptionRow> SetRows(VoxelizeWords& words) {
+  std::vector<OptionRow> rows = PointRows(words);
+  for (OptionRow& row : FieldRows(words)) rows.push_back(std::move(row));
+  return rows;
+}
 
 VoxelSet InterpretSet(const VoxelizeWords& words) {
   const std::string name = !words.set.empty() ? words.set : words.band.empty() ? "surface" : "band";

@@ -15,7 +15,7 @@
 namespace latvox::client {
 
 struct FieldColumns {
-  std::array<const char*, 3> names;  // one for each component; the rest are null. Of links: the beginning of each
+  std::array<const char*, 3> names;  // one for each component; the rest are null; for links, the beginning of each
 };
 
 // In the order of kFields. A new field is one more row.

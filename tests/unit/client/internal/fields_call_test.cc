@@ -34,7 +34,7 @@ VoxelizeRequest AskedFor() {
 struct Column {
   std::string first, second;
 
-  // Of a voxel.
+  // The size of a voxel's value.
   size_t bytes() const { return first.size(); }
 };
 
