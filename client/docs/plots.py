@@ -19,14 +19,17 @@ def run(*words, **options):
 
 def draw_way(latvox, folder):
     """Adds the way of the leak to the layer car-leak.png, all steps projected into it."""
-    leak = json.loads(run(latvox, "voxelize", *CAR, "--json", "-o", "way.csv", cwd=folder))["certificate"]["walk"]["leak"]
+    summary = json.loads(run(latvox, "voxelize", *CAR, "--json", "-o", "way.csv", cwd=folder))
+    leak = summary["certificate"]["walk"]["leak"]
     with open(folder / "way.csv") as file:
-        cells = [(int(row["j"]), int(row["k"])) for row in csv.DictReader(file) if int(row["i"]) == leak["narrowest"][0]]
+        layer = [row for row in csv.DictReader(file) if int(row["i"]) == leak["narrowest"][0]]
+    cells = [(int(row["j"]), int(row["k"])) for row in layer]
     left, top = min(j for j, _ in cells), max(k for _, k in cells)
     picture = folder / "car-leak.png"
     width, x, y = map(int, run("convert", picture, "-trim", "-format", "%w %X %Y", "info:").split())
     scale = width / (max(j for j, _ in cells) + 1 - left)  # pixels a cell
-    corners = " ".join(f"{x + (j + 0.5 - left) * scale:.1f},{y + (top + 0.5 - k) * scale:.1f}" for _, j, k in leak["path"])
+    way = [(x + (j + 0.5 - left) * scale, y + (top + 0.5 - k) * scale) for _, j, k in leak["path"]]
+    corners = " ".join(f"{right:.1f},{down:.1f}" for right, down in way)
     line = f"stroke #d62728 stroke-width 3 fill none stroke-linejoin round polyline {corners}"
     run("convert", picture, "-draw", line, picture)
 
