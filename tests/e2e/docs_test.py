@@ -21,8 +21,9 @@ DOXYFILE = BUILD / "client/docs/Doxyfile"
 SITE = BUILD / "docs"
 FOLDERS = (".github", "client", "core", "deploy", "proto", "server", "tests")
 # Pages with wide tables, pictures, diagrams, or long names.
-WIDE = ("index.html", "client_docs_choosing.html", "client_docs_limits.html", "server.html", "tests_bench.html",
-        "tests_thesis.html", "protocol.html", "classlatvox_1_1client_1_1Client.html", "annotated.html")  # fmt: skip
+WIDE = ("index.html", "client_docs_choosing.html", "client_docs_fields.html", "client_docs_limits.html", "server.html",
+        "tests_bench.html", "tests_thesis.html", "protocol.html", "classlatvox_1_1client_1_1Client.html",
+        "annotated.html")  # fmt: skip
 READY = "new Promise((done) => document.readyState === 'complete' ? done() : addEventListener('load', done))"
 
 
