@@ -45,12 +45,19 @@ Vec3i MarginOfLinks(const ExactPlan& plan) {
 // Whether tiles need to know on which side of the mesh their voxels are.
 bool NeedsSides(const ExactPlan& plan) { return plan.solid || plan.NeedsParity(); }
 
+// Whether a walk keeps out of all points near the mesh.
+bool ClosesHoles(const ExactPlan& plan) { return plan.input.walk && plan.input.walk->close; }
+
 // Whether tiles need to know tiny triangles, although their links are known. A tile of links may hold only farther ends
 // of these, so without the triangles, the tree would leave it out.
-bool NeedsTiny(const ExactPlan& plan) { return NeedsSides(plan) || plan.link_ends || plan.HasLinkFields(); }
+bool NeedsTiny(const ExactPlan& plan) {
+  return NeedsSides(plan) || plan.link_ends || plan.HasLinkFields() || ClosesHoles(plan);
+}
 
-// The sides need the crossings of lines along an axis.
-bool NeedsAllTriangles(const ExactPlan& plan) { return NeedsSides(plan) && !HasAxes(plan.input.frames); }
+// The sides need the crossings of lines along an axis, and distances need all triangles.
+bool NeedsAllTriangles(const ExactPlan& plan) {
+  return (NeedsSides(plan) && !HasAxes(plan.input.frames)) || ClosesHoles(plan);
+}
 
 // Finds the links of tiny triangles, the remaining triangles, and the mesh's facts.
 SurfaceFacts SortOut(ExactPlan& plan, StopSignal creation) {

@@ -10,6 +10,7 @@ import zipfile
 from harness import Case, encode_drc, latvox, octahedron, rows, write_obj
 
 GRID = ["--voxel-size", "1", "--origin", "0.5,0,0", "--quantization", "0"]
+SPIDER = "/usr/share/assimp/models/OBJ/spider.obj"  # of assimp-testmodels
 MEMORY = 1 << 31  # bytes of address space
 
 
@@ -60,6 +61,15 @@ class Info(Case):
         self.assertEqual((facts["voxels"], facts["digest"], facts["lattice"]), (len(voxels), summary["digest"], "cartesian"))
         self.assertEqual(facts["bounds"]["min"], [x - 0.5 for x in bounds["min"]])
         self.assertEqual((self.info("a.png")["width"], self.info("a.png")["height"]), (1024, 1024))
+
+    def test_files_with_all_fields_are_read(self):
+        fields = "part,material,color,distance,triangle,point,normal,links,link_triangles,link_crossings"
+        names = ("f.csv", "f.npy", "f.npz", "f.ply")
+        outputs = [word for name in names[1:] for word in ("-o", self.dir / name)]
+        summary = self.voxelize(SPIDER, *outputs, "--resolution", "12", "--fields", fields, out=names[0])
+        for name in names:
+            with self.subTest(name):
+                self.assertEqual(self.info(name)["voxels"], summary["voxels"])
 
     def test_both_grids_tell_the_same(self):
         summary, _ = self.write("a.vdb", "a.nvdb")

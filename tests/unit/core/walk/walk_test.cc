@@ -360,6 +360,29 @@ const Lattice& Cartesian() {
   return lattice;
 }
 
+// So fine a mesh has tiny triangles, whose links are found at once, and others. Distances need all of them.
+TEST(Walk, ClosesHolesOfFineMeshes) {
+  TriangleMesh mesh = Sphere(92, 24);
+  mesh.triangles.resize(mesh.triangles.size() - 1500);  // an opening around the pole
+  const TriangleMesh floor = ToWorld(Box({-7000, -7000, -8000}, {7000, 7000, -7000}), Cartesian());
+  const auto first = static_cast<uint32_t>(mesh.vertices.size());
+  mesh.vertices.insert(mesh.vertices.end(), floor.vertices.begin(), floor.vertices.end());
+  for (const auto& [a, b, c] : floor.triangles) mesh.triangles.push_back({first + a, first + b, first + c});
+  const Flood flood({{-40, -40, -40}, {40, 40, 40}}, Directions(Cartesian().frames(0)));
+  const Points surface = VoxelsOf(Voxelize(mesh, Unscaled(Cartesian()), {}));
+  const Flood::Marks walls = flood.MarksOf(surface);
+  for (const double close : {3.3, 7.1}) {
+    Flood::Marks thick = walls;
+    for (const Int3& z : VoxelsOf(Voxelize(mesh, Unscaled(Cartesian()), {.set = Band{close / 2, false}}))) {
+      thick[flood.NumberOf(z)] = 1;
+    }
+    const Flood::Marks outside = flood.Grown(walls, flood.FromOutside(thick), Cartesian().basis(), close / 2);
+    const Points enclosed = VoxelsOf(Voxelize(mesh, Unscaled(Cartesian()), {.set = Enclosed{.close = close}}));
+    EXPECT_EQ(enclosed, flood.Unmarked(outside)) << close;
+    EXPECT_EQ(enclosed.size() > 2 * surface.size(), close > 5) << enclosed.size();
+  }
+}
+
 // The line of points through the middle of the hole is 1124 units from 0, between the points 4 and 5.
 TEST(Walk, PassesAHoleOneStepWideAndNoNarrowerOne) {
   for (const int64_t k : {0, 2}) {
