@@ -18,8 +18,21 @@ std::string HeadOf(const OptionFacts& option) {
   return absl::StrCat(absl::StrJoin(option.names, ", "), option.value.empty() ? "" : " ", option.value);
 }
 
+// Breaks a long head after a bar: "--set surface|", "solid".
+std::string Broken(absl::string_view head) {
+  constexpr size_t kIndent = 6;
+  std::string out;
+  while (head.size() + kIndent > kWidth) {
+    const size_t bar = head.rfind('|', kWidth - kIndent - 1);
+    if (bar == absl::string_view::npos) break;
+    absl::StrAppend(&out, head.substr(0, bar + 1), "\n", std::string(kIndent, ' '));
+    head.remove_prefix(bar + 1);
+  }
+  return absl::StrCat(out, head);
+}
+
 std::string Entry(absl::string_view head, absl::string_view text) {
-  std::string entry = absl::StrCat("  ", head);
+  std::string entry = absl::StrCat("  ", Broken(head));
   const std::string indent(kColumn, ' ');
   const size_t size = entry.size();
   entry += size + 2 > kColumn ? "\n" + indent : indent.substr(size);
