@@ -36,6 +36,7 @@ def commands():
 
 def described(text):
     """Returns the entries of a help text: pairs of an option's names with its value, and its description."""
+    text = re.sub(r"\|\n {6}(?=\S)", "|", text)
     found = re.findall(r"^  (-\S.*?)(?:  +|\n {26})(.*(?:\n {26}.*)*)", text, re.M)
     return [(head, re.sub(r"\s+", " ", description)) for head, description in found]
 
