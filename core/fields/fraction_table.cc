@@ -97,54 +97,96 @@ bool FractionTable::Meets(const Vec3i& low, int level) const {
 }
 
 void FractionTable::Add(const Vec3i& low, std::span<const uint64_t> rows) {
-  const Range range = VoxelsNear(low, 0);
-  const Vec3i base = first_ - low;
-  AnyBrick(range, [&](const PlacedBrick& brick) {
-    if (!IsSettled(brick, base, rows)) AddBrick(brick, base, range, rows);
+  const FinerTile finer{first_ - low, VoxelsNear(low, 0), rows};
+  AnyBrick(finer.near, [&](const PlacedBrick& brick) {
+    if (!IsSettled({brick.at, kBrickSide}, brick.side, finer)) AddBrick(brick, finer);
     return false;
   });
 }
 
-// Returns whether all points of the brick's cells in the finer tile are on the side of its voxels.
-bool FractionTable::IsSettled(const PlacedBrick& brick, const Vec3i& base, std::span<const uint64_t> rows) const {
-  if (brick.side == Side::kBoth) return false;
-  const uint64_t flip = brick.side == Side::kInside ? ~uint64_t{0} : 0;
+// The side of all points of a cube, whether or not they are voxels.
+FractionTable::Side FractionTable::SideOf(const Cube& cube) const {
+  const uint64_t mask = Bits(cube.at[2], cube.at[2] + cube.side - 1);
+  uint64_t any = 0, all = mask;
+  for (int32_t i = cube.at[0]; i < cube.at[0] + cube.side; ++i) {
+    for (int32_t j = cube.at[1]; j < cube.at[1] + cube.side; ++j) {
+      const uint64_t row = inside_[static_cast<size_t>(i << kTileBits | j)] & mask;
+      any |= row;
+      all &= row;
+    }
+  }
+  return any == 0 ? Side::kOutside : all == mask ? Side::kInside : Side::kBoth;
+}
+
+// Returns whether all points of the cube's cells in the finer tile are on the side of its voxels.
+bool FractionTable::IsSettled(const Cube& cube, Side side, const FinerTile& finer) const {
+  if (side == Side::kBoth) return false;
+  const uint64_t flip = side == Side::kInside ? ~uint64_t{0} : 0;
   Vec3i first, last;
   for (size_t m = 0; m < 3; ++m) {
-    const int32_t at = base[m] + brick.at[m] * cell_->n;
+    const int32_t at = finer.base[m] + cube.at[m] * cell_->n;
     first[m] = std::max(at + cell_->low[m], 0);
-    last[m] = std::min(at + (kBrickSide - 1) * cell_->n + cell_->high[m], kTileSide - 1);
+    last[m] = std::min(at + (cube.side - 1) * cell_->n + cell_->high[m], kTileSide - 1);
     if (first[m] > last[m]) return true;
   }
   const uint64_t mask = Bits(first[2], last[2]);
   for (int32_t i = first[0]; i <= last[0]; ++i) {
     uint64_t others = 0;
-    for (int32_t j = first[1]; j <= last[1]; ++j) others |= rows[static_cast<size_t>(i << kTileBits | j)] ^ flip;
+    for (int32_t j = first[1]; j <= last[1]; ++j) others |= finer.rows[static_cast<size_t>(i << kTileBits | j)] ^ flip;
     if ((others & mask) != 0) return false;
   }
   return true;
 }
 
-void FractionTable::AddBrick(const PlacedBrick& brick, const Vec3i& base, const Range& range,
-                             std::span<const uint64_t> rows) {
-  uint16_t* value = values_ + brick.first;
-  for (int32_t x = 0; x < kBrickSide; ++x) {
-    for (uint64_t bits = (*brick.mask)[static_cast<size_t>(x)]; bits != 0; bits &= bits - 1, ++value) {
-      const int yz = std::countr_zero(bits);
-      const Vec3i z = brick.at + Vec3i{x, yz >> kBrickBits, yz & (kBrickSide - 1)};
-      const Vec3i at = base + z * cell_->n;
-      bool is_near = true, is_whole = true;
-      for (size_t m = 0; m < 3; ++m) {
-        is_near &= range.first[m] <= z[m] && z[m] <= range.last[m];
-        is_whole &= at[m] + cell_->low[m] >= 0 && at[m] + cell_->high[m] < kTileSide;
-      }
-      if (!is_near) continue;
-      const bool is_inside = (inside_[static_cast<size_t>(z[0] << kTileBits | z[1])] >> z[2] & 1) != 0;
-      const uint64_t flip = is_inside ? ~uint64_t{0} : 0;
-      const uint32_t others = is_whole ? CountWhole(at, rows, flip) : CountPart(at, rows, flip);
-      *value = static_cast<uint16_t>(is_inside ? *value - others : *value + others);
+void FractionTable::AddBrick(const PlacedBrick& brick, const FinerTile& finer) {
+  uint16_t rank = 0;
+  for (size_t x = 0; x < brick.mask->size(); ++x) {
+    for (uint64_t bits = (*brick.mask)[x]; bits != 0; bits &= bits - 1) {
+      ranks_[x << 6 | static_cast<size_t>(std::countr_zero(bits))] = rank++;
     }
   }
+  AddCube(brick, {brick.at, kBrickSide}, finer);
+}
+
+// Where most points are voxels, it divides the cube and leaves out what is settled.
+void FractionTable::AddCube(const PlacedBrick& brick, const Cube& cube, const FinerTile& finer) {
+  constexpr int32_t kLeastSide = 2;
+  const Vec3i in_brick = cube.at - brick.at;
+  uint64_t part = 0;
+  for (int32_t y = 0; y < cube.side; ++y) {
+    part |= Bits(in_brick[2], in_brick[2] + cube.side - 1) << ((in_brick[1] + y) << kBrickBits);
+  }
+  const auto word = [&](int32_t x) { return (*brick.mask)[static_cast<size_t>(in_brick[0] + x)] & part; };
+  int32_t count = 0;
+  for (int32_t x = 0; x < cube.side; ++x) count += std::popcount(word(x));
+  const bool is_dense = 2 * count > cube.side * cube.side * cube.side;
+  if (is_dense && cube.side < kBrickSide && IsSettled(cube, SideOf(cube), finer)) return;
+  if (is_dense && cube.side > kLeastSide) {
+    const int32_t half = cube.side / 2;
+    for (int32_t n = 0; n < 8; ++n) AddCube(brick, {cube.at + Vec3i{n >> 2, n >> 1 & 1, n & 1} * half, half}, finer);
+    return;
+  }
+  for (int32_t x = 0; x < cube.side; ++x) {
+    for (uint64_t bits = word(x); bits != 0; bits &= bits - 1) {
+      const int yz = std::countr_zero(bits);
+      const Vec3i z = brick.at + Vec3i{in_brick[0] + x, yz >> kBrickBits, yz & (kBrickSide - 1)};
+      AddVoxel(z, finer, values_[brick.first + ranks_[static_cast<size_t>((in_brick[0] + x) << 6 | yz)]]);
+    }
+  }
+}
+
+void FractionTable::AddVoxel(const Vec3i& z, const FinerTile& finer, uint16_t& value) const {
+  const Vec3i at = finer.base + z * cell_->n;
+  bool is_near = true, is_whole = true;
+  for (size_t m = 0; m < 3; ++m) {
+    is_near &= finer.near.first[m] <= z[m] && z[m] <= finer.near.last[m];
+    is_whole &= at[m] + cell_->low[m] >= 0 && at[m] + cell_->high[m] < kTileSide;
+  }
+  if (!is_near) return;
+  const bool is_inside = (inside_[static_cast<size_t>(z[0] << kTileBits | z[1])] >> z[2] & 1) != 0;
+  const uint64_t flip = is_inside ? ~uint64_t{0} : 0;
+  const uint32_t others = is_whole ? CountWhole(at, finer.rows, flip) : CountPart(at, finer.rows, flip);
+  value = static_cast<uint16_t>(is_inside ? value - others : value + others);
 }
 
 // Runs are so short that four of them fit one word.

@@ -16,8 +16,8 @@
 namespace latvox {
 
 // A fraction is the number of a cell's points that are inside. At first, each cell counts as if it were on the side of
-// its voxel. Then each finer tile near the mesh adds the points that are on the other side. Bricks of voxels on one
-// side are compared with whole rows of a finer tile, so a brick far from the mesh costs little. Each thread has its own
+// its voxel. Then each finer tile near the mesh adds the points that are on the other side. Cubes of voxels on one
+// side are compared with whole rows of a finer tile, so a cube without the mesh costs little. Each thread has its own
 // table, and reuses it from tile to tile.
 class FractionTable {
  public:
@@ -60,12 +60,26 @@ class FractionTable {
     Vec3i first, last;
   };
 
+  // Some voxels of a brick.
+  struct Cube {
+    Vec3i at;  // the lowest, in the tile
+    int32_t side;
+  };
+  struct FinerTile {
+    Vec3i base;  // the finer point of the tile's lowest voxel, in the finer tile
+    Range near;  // voxels that may have points in it
+    std::span<const uint64_t> rows;
+  };
+
   Range VoxelsNear(const Vec3i& low, int level) const;
   template <class F>
   bool AnyBrick(const Range& range, const F& f) const;
   Side SetBrick(const Brick& brick, const Vec3i& at, uint32_t first);
-  bool IsSettled(const PlacedBrick& brick, const Vec3i& base, std::span<const uint64_t> rows) const;
-  void AddBrick(const PlacedBrick& brick, const Vec3i& base, const Range& range, std::span<const uint64_t> rows);
+  Side SideOf(const Cube& cube) const;
+  bool IsSettled(const Cube& cube, Side side, const FinerTile& finer) const;
+  void AddBrick(const PlacedBrick& brick, const FinerTile& finer);
+  void AddCube(const PlacedBrick& brick, const Cube& cube, const FinerTile& finer);
+  void AddVoxel(const Vec3i& z, const FinerTile& finer, uint16_t& value) const;
   uint32_t CountWhole(const Vec3i& at, std::span<const uint64_t> rows, uint64_t flip) const;
   uint32_t CountPart(const Vec3i& at, std::span<const uint64_t> rows, uint64_t flip) const;
 
@@ -76,6 +90,7 @@ class FractionTable {
   std::array<uint16_t, 512> numbers_{};  // in bricks_, plus 1, of each brick of the tile; 0: it has none
   std::vector<PlacedBrick> bricks_;
   std::vector<Run> runs_;
+  std::array<uint16_t, 512> ranks_{};  // of a brick's voxels; others are meaningless
 };
 
 }  // namespace latvox
