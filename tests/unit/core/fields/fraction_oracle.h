@@ -43,7 +43,7 @@ class OwnerOracle {
 
  private:
   Int3 Search(const IntegerForm& form, const Int3& point) const {
-    constexpr int64_t kFarthest = 4;
+    constexpr int64_t kFarthest = 6;
     std::optional<std::array<int64_t, 4>> least;
     Int3 owner{};
     for (int64_t i = -kFarthest; i <= kFarthest; ++i) {

@@ -53,7 +53,10 @@ struct FormedLattice {
 
 std::vector<FormedLattice> FormedLattices() {
   std::vector<FormedLattice> lattices;
-  for (const ExactLattice& exact : ExactLattices()) {
+  std::vector<ExactLattice> exact_lattices = ExactLattices();
+  // Its cells reach over several steps of the basis.
+  exact_lattices.push_back({"skew", *Lattice::FromBasis({{{1, 0, 0}, {2, 1, 0}, {0, 1, 1}}})});
+  for (const ExactLattice& exact : exact_lattices) {
     FormedLattice formed{exact.name, exact.lattice, {}};
     const Mat3d& basis = exact.lattice.basis();
     for (size_t c = 0; c < 3; ++c) {
