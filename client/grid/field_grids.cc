@@ -24,6 +24,10 @@ struct IntegerForm {
   static int32_t ToValue(const uint32_t* number) { return static_cast<int32_t>(*number); }
 };
 
+struct SmallIntegerForm : IntegerForm {
+  static int32_t ToValue(const uint16_t* number) { return *number; }
+};
+
 struct FloatForm {
   using Grid = openvdb::FloatGrid;
   static Grid::Ptr New() { return Grid::create(); }
@@ -59,6 +63,8 @@ auto WithForm(Field field, const Visit& visit) {
       return visit(PointForm());
     case Field::kNormal:
       return visit(VectorForm());
+    case Field::kFraction:
+      return visit(SmallIntegerForm());
     case Field::kPart:
     case Field::kMaterial:
     case Field::kTriangle:

@@ -4,6 +4,8 @@
 #include <bit>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <limits>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -35,7 +37,11 @@ void Append(const T& numbers, std::vector<std::byte>& bytes) {
 }
 
 // Appends the components of a field. False where latvox writes no such value.
-bool AppendField(Field, int32_t number, std::vector<std::byte>& bytes) {
+bool AppendField(Field field, int32_t number, std::vector<std::byte>& bytes) {
+  if (FactsOf(field).type == NumberType::kUint16) {
+    Append(static_cast<uint16_t>(number), bytes);
+    return number >= 0 && number <= std::numeric_limits<uint16_t>::max();
+  }
   Append(number, bytes);
   return number >= 0;
 }

@@ -98,7 +98,10 @@ Json RequestJson(const VoxelizeRequest& request) {
   } else {
     AddSurface(request, json);
   }
-  for (const Field field : request.fields) json["fields"].push_back(NameOf(field));
+  for (const Field field : request.fields) {
+    const bool has_number = field == Field::kFraction;
+    json["fields"].push_back(NameOf(field) + (has_number ? absl::StrCat(":", request.fraction_n) : ""));
+  }
   if (request.signed_distance) json["signed"] = true;
   if (request.verify) json["verify"] = true;
   return json;

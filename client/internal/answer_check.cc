@@ -297,6 +297,8 @@ absl::Status AnswerCheck::CheckValues(const FieldValues& field) const {
       });
     case Field::kLinkCrossings:
       return check(uint32_t{}, [this](uint32_t number) { return number <= accepted_->mesh.triangles; });
+    case Field::kFraction:
+      return check(uint16_t{}, [n = uint64_t{request_.fraction_n}](uint16_t number) { return number <= n * n * n; });
     case Field::kColor:
       break;  // any bytes
   }
@@ -346,6 +348,9 @@ absl::Status AnswerCheck::CheckFields(const Certificate& certificate) const {
   }
   if (certificate.signed_distance != request_.signed_distance) {
     return Broken("a certificate of distances ", certificate.signed_distance ? "with" : "without", " signs");
+  }
+  if (certificate.fraction_n != request_.fraction_n) {
+    return Broken("a certificate of fractions by ", certificate.fraction_n, " points instead of ", request_.fraction_n);
   }
   for (size_t n = 0; n < certificate.fields.size(); ++n) {
     const std::string found = (n < stretch_.fields.size() ? stretch_.fields[n] : Digest()).ToHex();

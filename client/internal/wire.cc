@@ -86,8 +86,9 @@ v1::SolidSurface ToProto(SolidSurface surface) {
 
 // In the order of kFields.
 constexpr std::array<v1::Field, kFields.size()> kFieldNumbers{
-    v1::FIELD_PART,  v1::FIELD_MATERIAL, v1::FIELD_COLOR, v1::FIELD_DISTANCE,       v1::FIELD_TRIANGLE,
-    v1::FIELD_POINT, v1::FIELD_NORMAL,   v1::FIELD_LINKS, v1::FIELD_LINK_TRIANGLES, v1::FIELD_LINK_CROSSINGS};
+    v1::FIELD_PART,           v1::FIELD_MATERIAL,       v1::FIELD_COLOR,   v1::FIELD_DISTANCE,
+    v1::FIELD_TRIANGLE,       v1::FIELD_POINT,          v1::FIELD_NORMAL,  v1::FIELD_LINKS,
+    v1::FIELD_LINK_TRIANGLES, v1::FIELD_LINK_CROSSINGS, v1::FIELD_FRACTION};
 v1::Field ToProto(Field field) { return kFieldNumbers[static_cast<size_t>(field)]; }
 
 void SetToProto(const Surface&, v1::VoxelizeSpec& spec) { spec.mutable_surface(); }
@@ -190,6 +191,7 @@ Certificate FromProto(const v1::Certificate& certificate) {
           .band = certificate.has_band() ? std::optional(BandFacts{certificate.band().width()}) : std::nullopt,
           .fields = FieldsOf(certificate),
           .signed_distance = certificate.signed_distance(),
+          .fraction_n = certificate.fraction_n(),
           .whole_minimal = certificate.whole_minimal(),
           .walk = certificate.has_walk() ? std::optional(FromProto(certificate.walk())) : std::nullopt};
 }
@@ -243,6 +245,7 @@ v1::VoxelizeSpec ToProto(const VoxelizeRequest& request, const MeshId& mesh, con
   }
   for (const Field field : request.fields) spec.add_fields(ToProto(field));
   spec.set_signed_distance(request.signed_distance);
+  spec.set_fraction_n(request.fraction_n);
   if (request.raw_mesh) *spec.mutable_raw_mesh() = ToProto(*request.raw_mesh);
   return spec;
 }

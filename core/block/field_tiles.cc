@@ -12,7 +12,7 @@ std::optional<FieldContext> MakeContext(const SnappedMesh& mesh, const FieldPlan
   FieldContext context{mesh, *plan, index, {}, stop};
   for (size_t n = 0; n < plan->fields.size(); ++n) {
     const Field field = plan->fields.view()[n];
-    if (!FactsOf(field).is_of_links()) context.writers.push_back({n, NewFieldWriter(*plan, field)});
+    if (FactsOf(field).is_of_nearest()) context.writers.push_back({n, NewFieldWriter(*plan, field)});
   }
   return context;
 }

@@ -57,8 +57,7 @@ void FieldScan::Find(const FieldContext& context, std::span<const uint32_t> tria
 }
 
 // Appends the labels of a brick. Returns false, and appends nothing, if a voxel has none.
-bool FieldScan::AppendLabels(const Brick& brick, TileBricks& tile) const {
-  std::vector<std::byte>& out = tile.fields.front();
+bool FieldScan::AppendLabels(const Brick& brick, const TileBricks& tile, std::vector<std::byte>& out) {
   const size_t before = out.size();
   out.resize(before + CountVoxels(brick.mask) * sizeof(uint32_t));
   std::byte* next = out.data() + before;
@@ -96,7 +95,7 @@ bool FieldScan::AppendLabels(const Brick& brick, TileBricks& tile) const {
 // `square`: null, or those of the brick's voxels; moves on to those of the next brick.
 void FieldScan::FindBrick(const FieldContext& context, const Brick& brick, const double*& square, TileBricks& tile) {
   const bool is_labeled = context.plan.label_place.has_value();
-  if (context.plan.is_label_alone && AppendLabels(brick, tile)) return;
+  if (context.plan.is_label_alone && AppendLabels(brick, tile, tile.fields[context.writers.front().place])) return;
   const Vec3i corner = brick.brick_ijk * kBrickSide - context.mesh.base_ijk;
   agreed_.reset();
   if (context.plan.is_searched) List(context, corner);
@@ -140,7 +139,7 @@ void FieldScan::List(const FieldContext& context, const Vec3i& brick_min) {
   const Vec3d low = middle - half, high = middle + half;
   double bound = context.plan.most_square;
   // Mostly all these triangles have the same numbers. Then it does not matter which one is nearest.
-  bool may_agree = context.plan.of_mesh.size() == context.plan.fields.size();
+  bool may_agree = context.plan.of_mesh.size() == context.plan.nearest.size();
   context.index->ForEachNear(low, high, bound, [&](uint32_t triangle) {
     Listed listed{{}, {}, triangle};
     const Triangle corners = context.mesh.TriangleAt(triangle);

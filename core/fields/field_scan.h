@@ -70,7 +70,7 @@ class FieldScan {
   };
 
   void FindBrick(const FieldContext& context, const Brick& brick, const double*& square, TileBricks& tile);
-  bool AppendLabels(const Brick& brick, TileBricks& tile) const;
+  static bool AppendLabels(const Brick& brick, const TileBricks& tile, std::vector<std::byte>& out);
   void List(const FieldContext& context, const Vec3i& brick_min);
   bool Agrees(const FieldContext& context, uint32_t triangle);
   void FindCandidates(const FieldContext& context, const Vec3i& point, double bound);

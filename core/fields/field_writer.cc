@@ -17,6 +17,7 @@ constexpr std::array<NewWriter, kFields.size()> kWriters{
     nullptr,  // links: link_table.h
     nullptr,  // link_triangles
     nullptr,  // link_crossings
+    nullptr,  // fraction: fraction_table.h
 };
 
 }  // namespace

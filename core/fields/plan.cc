@@ -8,6 +8,7 @@
 #include "absl/strings/str_format.h"
 #include "core/base/status_payload.h"
 #include "core/lattice/frame.h"
+#include "core/lattice/integer_cell.h"
 #include "core/snap/snap.h"
 
 namespace latvox {
@@ -60,10 +61,16 @@ absl::StatusOr<FieldPlan> MakeFieldPlan(const VoxelRequest& request, const Latti
   const FieldList nearest = request.fields.OfNearest();
   const absl::StatusOr<Metric> metric = nearest.empty() ? Metric{} : MakeMetric(lattice);
   if (!metric.ok()) return metric.status();
+  std::optional<CellPoints> points;
+  if (request.fields.Contains(Field::kFraction)) {
+    const absl::StatusOr<IntegerCell> cell = IntegerCell::Of(lattice);
+    if (!cell.ok()) return cell.status();
+    points = PointsOf(*cell, static_cast<int32_t>(request.fraction_n));
+  }
   constexpr double kSlack = 1 + 0x1p-16;  // for rounding, including that of the metric and of a supercover's cell
   const bool has_band = request.band() != nullptr;
   const std::optional<size_t> label_place = PlaceOfLabels(request);
-  const bool is_label_alone = label_place && request.fields.size() == 1;
+  const bool is_label_alone = label_place && nearest.size() == 1;
   const double farthest = FarthestVoxel(request, lattice, is_label_alone) / size * kLatticeUnit * kSlack;
   return FieldPlan{
       .fields = request.fields,
@@ -80,7 +87,8 @@ absl::StatusOr<FieldPlan> MakeFieldPlan(const VoxelRequest& request, const Latti
       .most_distance = has_band ? WidthOf(*request.band(), lattice) : std::numeric_limits<double>::infinity(),
       .basis = lattice.basis(),
       .of_mesh = request.fields.OfMesh(),
-      .of_vertices = std::move(of_vertices)};
+      .of_vertices = std::move(of_vertices),
+      .cell = std::move(points)};
 }
 
 }  // namespace latvox

@@ -49,7 +49,8 @@ Vec<Wide, 3> Widened(const Vec<int64_t, 3>& v) { return {v[0], v[1], v[2]}; }
 
 absl::Status FlatError() {
   return absl::InvalidArgumentError(
-      "basis: so flat or long that its Voronoi cells cannot be told by integers of 30 bits, which a supercover needs");
+      "basis: so flat or long that its Voronoi cells cannot be told by integers of 30 bits, which a supercover or a "
+      "fraction needs");
 }
 
 }  // namespace
@@ -70,9 +71,10 @@ absl::StatusOr<IntegerCell> IntegerCell::Of(const Lattice& lattice) {
     const auto length = static_cast<int64_t>(std::nearbyint(ratios[r] * static_cast<double>(scale)));
     if (length <= 0) continue;
     if (AbsoluteSum(selling.e[r]) > kMaxZoneEntry) {
-      return absl::InvalidArgumentError(absl::StrFormat(
-          "basis: too skew for a supercover: a coordinate of its reduced basis takes %d steps, the limit is %d",
-          AbsoluteSum(selling.e[r]), kMaxZoneEntry));
+      return absl::InvalidArgumentError(
+          absl::StrFormat("basis: too skew for a supercover or a fraction: a coordinate of its reduced basis takes %d "
+                          "steps, the limit is %d",
+                          AbsoluteSum(selling.e[r]), kMaxZoneEntry));
     }
     zones.push_back({selling.e[r], length});
   }

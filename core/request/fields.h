@@ -24,13 +24,16 @@ enum class Field : uint32_t {
   kNormal,
   kLinks,
   kLinkTriangles,
-  kLinkCrossings
+  kLinkCrossings,
+  kFraction
 };
 
 // The types of a field's components, on the wire and in memory.
-enum class NumberType { kUint8, kUint32, kFloat32 };
+enum class NumberType { kUint8, kUint16, kUint32, kFloat32 };
 
-constexpr size_t BytesOf(NumberType type) { return type == NumberType::kUint8 ? 1 : 4; }
+constexpr size_t BytesOf(NumberType type) {
+  return type == NumberType::kUint8 ? 1 : type == NumberType::kUint16 ? 2 : 4;
+}
 
 // The most neighbors of a lattice point, of all lattices.
 inline constexpr size_t kMostNeighbors = 2 * kMaxPairs;
@@ -47,12 +50,14 @@ struct FieldFacts {
   constexpr size_t bytes(size_t neighbors) const { return (is_of_links() ? neighbors : components) * BytesOf(type); }
   // Whether it says where the links to a voxel's neighbors meet the mesh.
   constexpr bool is_of_links() const { return components == 0; }
+  // Whether it comes from the triangle that is nearest to a voxel.
+  constexpr bool is_of_nearest() const { return !is_of_links() && field != Field::kFraction; }
   // Whether each vertex of the mesh has a number for it. A color's number is red << 16 | green << 8 | blue.
   constexpr bool is_of_mesh() const { return largest != 0; }
 };
 
 // All fields. A new field is one more row.
-inline constexpr std::array<FieldFacts, 10> kFields{{
+inline constexpr std::array<FieldFacts, 11> kFields{{
     {Field::kPart, "part", NumberType::kUint32, 1, 0x7FFFFFFF},
     {Field::kMaterial, "material", NumberType::kUint32, 1, 0x7FFFFFFF},
     {Field::kColor, "color", NumberType::kUint8, 3, 0xFFFFFF},
@@ -63,6 +68,7 @@ inline constexpr std::array<FieldFacts, 10> kFields{{
     {Field::kLinks, "links", NumberType::kFloat32, 0},
     {Field::kLinkTriangles, "link_triangles", NumberType::kUint32, 0},
     {Field::kLinkCrossings, "link_crossings", NumberType::kUint32, 0},
+    {Field::kFraction, "fraction", NumberType::kUint16, 1},
 }};
 
 constexpr const FieldFacts& FactsOf(Field field) { return kFields[static_cast<size_t>(field)]; }
@@ -88,6 +94,9 @@ inline constexpr size_t kMostBytesOfVoxel = [] {
 inline constexpr float kNotCrossed = std::numeric_limits<float>::quiet_NaN();
 inline constexpr uint32_t kNoTriangle = std::numeric_limits<uint32_t>::max();
 
+// A fraction is the number of points of a lattice that is this many times as fine.
+inline constexpr uint32_t kLeastFraction = 2, kMostFraction = 16;
+
 // A list of fields, in the order of the request. It is plain bytes, because a decoder process receives it.
 class FieldList {
  public:
@@ -111,8 +120,8 @@ class FieldList {
   }
 
   // The fields that come from the nearest triangle, or of links, among these, in this order.
-  constexpr FieldList OfNearest() const { return Those(false); }
-  constexpr FieldList OfLinks() const { return Those(true); }
+  constexpr FieldList OfNearest() const { return Those(&FieldFacts::is_of_nearest); }
+  constexpr FieldList OfLinks() const { return Those(&FieldFacts::is_of_links); }
 
   // The size of a voxel's values, if the voxel has so many neighbors.
   constexpr size_t bytes(size_t neighbors) const {
@@ -130,10 +139,10 @@ class FieldList {
   bool operator==(const FieldList&) const = default;
 
  private:
-  constexpr FieldList Those(bool of_links) const {
+  constexpr FieldList Those(bool (FieldFacts::*are)() const) const {
     FieldList fields;
     for (const Field field : view()) {
-      if (FactsOf(field).is_of_links() == of_links) fields.Add(field);
+      if ((FactsOf(field).*are)()) fields.Add(field);
     }
     return fields;
   }

@@ -46,6 +46,7 @@ struct VoxelizeOptions {
   SetOption set = SeparatingSurface{};               // which lattice points
   FieldList fields = {};                             // what each of them carries
   bool signed_distance = false;                      // distances are negative inside; needs Field::kDistance
+  uint32_t fraction_n = 0;                           // points along each axis; needs Field::kFraction
   bool verify = false;                               // count tunnels and redundant voxels of the finished set
 };
 

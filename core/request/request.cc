@@ -92,6 +92,7 @@ absl::StatusOr<VoxelRequest> MakeRequest(const VoxelizeOptions& options) {
                       SetOf(options),
                       options.fields,
                       options.signed_distance,
+                      options.fraction_n,
                       {options.region, options.bounds, options.shard, options.resume_after},
                       options.verify};
 }

@@ -67,6 +67,7 @@ struct VoxelRequest {
   PointSet set = SurfaceSet{};
   FieldList fields = {};
   bool signed_distance = false;  // distances are negative inside
+  uint32_t fraction_n = 0;       // a fraction counts this many points along each axis
   Part part = {};
   bool verify = false;  // count tunnels and redundant voxels of the finished set
 

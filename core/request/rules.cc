@@ -84,6 +84,18 @@ Found CheckSignedDistance(const VoxelizeOptions& options) {
   return Breach{"signed_distance", "signed_distance true: needs distance among fields", "true"};
 }
 
+Found CheckFraction(const VoxelizeOptions& options) {
+  const uint32_t n = options.fraction_n;
+  if (!options.fields.Contains(Field::kFraction)) {
+    if (n == 0) return std::nullopt;
+    return Breach{"fraction_n", absl::StrCat("fraction_n ", n, ": needs fraction among fields"), absl::StrCat(n)};
+  }
+  if (n >= kLeastFraction && n <= kMostFraction) return std::nullopt;
+  const std::string limit = absl::StrCat(n < kLeastFraction ? kLeastFraction : kMostFraction);
+  return Breach{"fraction_n", absl::StrCat("fraction_n ", n, n < kLeastFraction ? " is below " : " exceeds ", limit),
+                absl::StrCat(n), limit};
+}
+
 Found CheckLabels(const VoxelizeOptions& options) {
   const Solid* const solid = std::get_if<Solid>(&options.set);
   if (solid == nullptr || !solid->labels) return std::nullopt;
@@ -127,6 +139,7 @@ constexpr std::array kValueRules{
     ValueRule{"enclosed", CheckEnclosed},
     ValueRule{"connected", CheckConnected},
     ValueRule{"signed_distance", CheckSignedDistance},
+    ValueRule{"fraction_n", CheckFraction},
     ValueRule{"solid.labels", CheckLabels},
     ValueRule{"solid.priority", CheckPriority},
 };
@@ -166,6 +179,12 @@ constexpr std::array kOptions{
     Option{"enclosed", "enclosed", "`enclosed`", [](const O& o) { return Is<Enclosed>(o); }, None},
     Option{"connected", "connected", "`connected`", [](const O& o) { return Is<Connected>(o); }, None},
     Option{"links", "links", "`links`", [](const O& o) { return Is<Links>(o); }, None},
+    Option{"fraction", "fields", "fraction among `fields`",
+           [](const O& o) { return o.fields.Contains(Field::kFraction); },
+           [](const O&) -> std::string { return "fraction"; }},
+    Option{"open solid", "solid.force_open", "`solid.force_open`",
+           [](const O& o) { return Is<Solid>(o) && std::get<Solid>(o.set).force_open; },
+           [](const O&) -> std::string { return "true"; }},
     Option{"fields", "fields", "`fields`", [](const O& o) { return !o.fields.empty(); }, None},
     Option{"region", "region", "`region`", [](const O& o) { return o.region.has_value(); }, None},
     Option{"bounds", "bounds", "`bounds`", [](const O& o) { return o.bounds.has_value(); }, None},
@@ -197,6 +216,7 @@ constexpr std::array kExclusions{
     Exclusion{"verify", "enclosed"},
     Exclusion{"verify", "connected"},
     Exclusion{"verify", "links"},
+    Exclusion{"fraction", "open solid", ", which fills a mesh that is not closed"},
 };
 
 constexpr const Option* OptionNamed(std::string_view name) {

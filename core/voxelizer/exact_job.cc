@@ -9,7 +9,9 @@
 #include <vector>
 
 #include "core/base/cpu_meter.h"
+#include "core/block/fraction_tiles.h"
 #include "core/block/solid_tiles.h"
+#include "core/solid/labeled_interior.h"
 #include "core/voxelizer/unit_scan.h"
 #include "core/voxelizer/unit_scheduler.h"
 
@@ -54,6 +56,8 @@ class ExactJob final : public VoxelizeJob {
 
  private:
   absl::Status PrepareWalk();
+  absl::Status PrepareInterior();
+  absl::Status PrepareFiner();
   size_t UnitsInFlight() const;
   FinishedUnit Finish(TileNode unit) const;
   bool Deliver(FinishedUnit unit, const Sink& sink);
@@ -64,8 +68,9 @@ class ExactJob final : public VoxelizeJob {
   const std::unique_ptr<ExactPlan> plan_;
   UnitScheduler units_;
   const UnitScan scan_;
-  std::unique_ptr<const Interior> interior_;  // for a solid or what needs parity, once prepared
-  std::unique_ptr<const Walk> walk_;          // for a set that a walk decides, once prepared
+  std::unique_ptr<const Interior> interior_;        // for a solid or what needs parity, once prepared
+  std::unique_ptr<const Interior> finer_interior_;  // for a fraction, once prepared
+  std::unique_ptr<const Walk> walk_;                // for a set that a walk decides, once prepared
   JobTotals totals_;
 };
 
@@ -90,6 +95,11 @@ absl::Status ExactJob::Prepare() {
     const CpuMeter::Scope scope(cpu_);
     if (absl::Status status = PrepareWalk(); !status.ok()) return status;
   }
+  if (absl::Status status = PrepareInterior(); !status.ok()) return status;
+  return PrepareFiner();
+}
+
+absl::Status ExactJob::PrepareInterior() {
   if (interior_ || (!plan_->solid && !plan_->NeedsParity())) return absl::OkStatus();
   const CpuMeter::Scope scope(cpu_);
   if (!plan_->solid) {  // the mesh is closed
@@ -108,6 +118,20 @@ absl::Status ExactJob::Prepare() {
   return absl::OkStatus();
 }
 
+// The mesh has an inside, because a job without one ends before.
+absl::Status ExactJob::PrepareFiner() {
+  if (finer_interior_ || !plan_->HasFraction()) return absl::OkStatus();
+  const CpuMeter::Scope scope(cpu_);
+  const SnappedMesh& mesh = plan_->finer->mesh;
+  const IndexBox points = FinerPointsOf(*plan_->input.fields->cell, *plan_->finer, plan_->input.region);
+  const InteriorRule rule = plan_->solid ? plan_->facts.interior_rule : InteriorRule::kParity;
+  auto finer = plan_->labels ? MakeClosedLabeledInterior(mesh, *plan_->labels, rule, points, stop_.Signal())
+                             : MakeClosedInterior(mesh, rule, points, stop_.Signal());
+  if (stop_.Stopped()) return absl::CancelledError("voxelization cancelled");
+  finer_interior_ = std::move(finer);
+  return absl::OkStatus();
+}
+
 // In a small job, small units wait for a large one before them. With two units in flight for each thread, other threads
 // waited, too. In a large job, more units in flight would keep others waiting when the sink pauses. Units of a band or
 // with fields have megabytes each, and so may units that are not thinned.
@@ -121,7 +145,7 @@ size_t ExactJob::UnitsInFlight() const {
 FinishedUnit ExactJob::Finish(TileNode unit) const {
   const CpuMeter::Scope scope(cpu_);
   FinishedUnit finished{.unit = std::move(unit), .complete = false, .tiles = {}, .totals = {}};
-  finished.tiles = scan_.Scan(finished.unit, interior_.get(), walk_.get());
+  finished.tiles = scan_.Scan(finished.unit, interior_.get(), finer_interior_.get(), walk_.get());
   finished.complete = !scan_stop_.Stopped();
   if (!finished.complete) return finished;  // voxels may lack fields
   finished.totals.resize(finished.tiles.size());

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "core/block/fraction_tiles.h"
 #include "core/block/solid_tiles.h"
 #include "core/tiny/fine_pass.h"
 #include "core/tiny/fineness.h"
@@ -28,6 +29,7 @@ void SetMargins(ExactPlan& plan) {
   };
   if (input.walk && input.walk->close) widen(input.walk->close->reach + plan.overlap);
   if (plan.HasLinkFields()) widen(plan.LinkContext({}).NearMargin());
+  if (plan.HasFraction()) widen(ReachOf(*input.fields->cell));
 }
 
 // The distance from the voxels of a tile's scan within which it needs the links of tiny triangles.
@@ -54,9 +56,10 @@ bool NeedsTiny(const ExactPlan& plan) {
   return NeedsSides(plan) || plan.link_ends || plan.HasLinkFields() || ClosesHoles(plan);
 }
 
-// The sides need the crossings of lines along an axis, and distances need all triangles.
+// The sides need the crossings of lines along an axis, a fraction also those of lines between lattice points, and
+// distances need all triangles.
 bool NeedsAllTriangles(const ExactPlan& plan) {
-  return (NeedsSides(plan) && !HasAxes(plan.input.frames)) || ClosesHoles(plan);
+  return plan.HasFraction() || (NeedsSides(plan) && !HasAxes(plan.input.frames)) || ClosesHoles(plan);
 }
 
 // Finds the links of tiny triangles, the remaining triangles, and the mesh's facts.
@@ -74,6 +77,20 @@ SurfaceFacts SortOut(ExactPlan& plan, StopSignal creation) {
   const bool needs_all = NeedsAllTriangles(plan) || (input.walk && fine.kept.empty());
   if (!needs_all) plan.kept = std::move(fine.kept);
   return fine.facts;
+}
+
+// Finer tiles begin where the cells of a tile do.
+absl::Status AddFinerMesh(ExactPlan& plan, StopSignal creation) {
+  const CellPoints& cell = *plan.input.fields->cell;
+  auto finer = MakeFinerMesh(plan.input.mesh, cell.n, -cell.low, creation);
+  if (!finer.ok()) return finer.status();
+  plan.finer = *std::move(finer);
+  return absl::OkStatus();
+}
+
+const char* WhatNeedsAClosedMesh(const ExactPlan& plan) {
+  if (plan.input.fields && plan.input.fields->is_signed) return "signed distances ask for";
+  return plan.HasFraction() ? "a fraction asks for" : "a side of links asks for";
 }
 
 }  // namespace
@@ -104,13 +121,14 @@ absl::StatusOr<std::unique_ptr<ExactPlan>> MakeExactPlan(ExactInput asked, const
     if (!labels.ok()) return labels.status();
     plan->labels = *std::move(labels);
   }
+  if (plan->HasFraction()) {
+    if (absl::Status status = AddFinerMesh(*plan, creation); !status.ok()) return status;
+  }
   plan->shard = request.part.shard.value_or(Shard{});
   plan->span = SpanOf(request.part, input.mesh, input.frames, input.region, input.bounds, creation);
   if (creation.Stopped()) return absl::CancelledError("voxelization cancelled");
   if (plan->NeedsParity() && !surface.closed) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "mesh: it is not closed, which ",
-        input.fields && input.fields->is_signed ? "signed distances ask for" : "a side of links asks for"));
+    return absl::InvalidArgumentError(absl::StrCat("mesh: it is not closed, which ", WhatNeedsAClosedMesh(*plan)));
   }
   return plan;
 }

@@ -20,6 +20,7 @@
 #include "core/lattice/frame.h"
 #include "core/request/links.h"
 #include "core/request/solid.h"
+#include "core/snap/finer_mesh.h"
 #include "core/snap/snap.h"
 #include "core/solid/labels.h"
 #include "core/supercover/supercover.h"
@@ -64,6 +65,7 @@ struct ExactPlan {
   std::optional<std::vector<uint32_t>> kept;  // the triangles that tiles need to know, ascending; nullopt: all
   JobFacts facts;
   std::unique_ptr<const TriangleIndex> index;  // for fields that need it
+  std::optional<FinerMesh> finer;              // for a fraction
   Shard shard;
   TileSpan span;  // the tiles to deliver
 
@@ -82,17 +84,22 @@ struct ExactPlan {
   }
 
   // Whether voxels carry fields of links.
-  bool HasLinkFields() const { return input.fields && input.fields->nearest.size() < input.fields->fields.size(); }
+  bool HasLinkFields() const { return input.fields && !input.fields->fields.OfLinks().empty(); }
+
+  // Whether voxels carry a fraction.
+  bool HasFraction() const { return input.fields && input.fields->cell; }
 
   // The rule for the inside, if tiles need to know on which side of the mesh their voxels are, and the set is no solid.
   bool NeedsParity() const {
-    return !solid && ((input.fields && input.fields->is_signed) || (link_ends && link_ends->side != LinkSide::kBoth));
+    return !solid && ((input.fields && input.fields->is_signed) || HasFraction() ||
+                      (link_ends && link_ends->side != LinkSide::kBoth));
   }
 };
 
 // For a fine mesh, one pass finds the facts and the crossings of tiny triangles.
 //   creation   stops this function, not the job
-// Errors: INVALID_ARGUMENT if the mesh is not closed, and ExactPlan::NeedsParity; those of MakeLabels; CANCELLED.
+// Errors: INVALID_ARGUMENT if the mesh is not closed, and ExactPlan::NeedsParity; those of MakeLabels and
+// MakeFinerMesh; CANCELLED.
 absl::StatusOr<std::unique_ptr<ExactPlan>> MakeExactPlan(ExactInput input, const VoxelRequest& request,
                                                          StopSignal creation);
 

@@ -27,19 +27,22 @@ UnitScan::UnitScan(const ExactPlan& plan, const UnitScheduler& units, StopSignal
       context_(plan.Context(stop)),
       fields_(plan.input.mesh, plan.input.fields ? &*plan.input.fields : nullptr, plan.index.get(), stop),
       links_(plan.LinkContext(stop), plan.input.fields ? plan.input.fields->fields : FieldList{}),
+      fractions_(plan.input.mesh, plan.input.fields ? &*plan.input.fields : nullptr,
+                 plan.finer ? &*plan.finer : nullptr, stop),
       band_(MakeBandContext(plan, stop)) {}
 
-std::vector<TileBricks> UnitScan::Scan(const TileNode& unit, const Interior* interior, const Walk* walk) const {
+std::vector<TileBricks> UnitScan::Scan(const TileNode& unit, const Interior* interior, const Interior* finer,
+                                       const Walk* walk) const {
   std::vector<TileBricks> tiles;
-  Process(unit, interior, walk, tiles);
+  Process(unit, interior, finer, walk, tiles);
   return tiles;
 }
 
-void UnitScan::Process(const TileNode& node, const Interior* interior, const Walk* walk,
+void UnitScan::Process(const TileNode& node, const Interior* interior, const Interior* finer, const Walk* walk,
                        std::vector<TileBricks>& out) const {
   if (context_.stop.Stopped() || units_.IsLeftOut(node)) return;
   if (!units_.tree().IsLeaf(node)) {
-    for (const TileNode& child : units_.tree().Children(node)) Process(child, interior, walk, out);
+    for (const TileNode& child : units_.tree().Children(node)) Process(child, interior, finer, walk, out);
     return;
   }
   const size_t first = out.size();
@@ -48,6 +51,7 @@ void UnitScan::Process(const TileNode& node, const Interior* interior, const Wal
   std::erase_if(out, [this](const TileBricks& tile) { return !units_.IsInSpan(tile.tile_ijk); });
   fields_.Add(node.triangles, interior, std::span(out).subspan(first));
   links_.Add(node, std::span(out).subspan(first));
+  fractions_.Add(node.triangles, interior, finer, std::span(out).subspan(first));
 }
 
 // A scan that was stopped in the middle of a block is not used again.

@@ -8,6 +8,7 @@
 #include "core/band/band_scan.h"
 #include "core/base/stop_signal.h"
 #include "core/block/field_tiles.h"
+#include "core/block/fraction_tiles.h"
 #include "core/block/link_tiles.h"
 #include "core/block/scan_pool.h"
 #include "core/block/tile_context.h"
@@ -30,14 +31,17 @@ class UnitScan {
 
   // Returns the unit's tiles that are delivered, in canonical order, in global coordinates.
   //   interior   null, or that of a solid, or that which decides on sides
+  //   finer      null unless voxels carry a fraction: the same for the finer mesh
   //   walk       null unless a walk decides on the set
-  std::vector<TileBricks> Scan(const TileNode& unit, const Interior* interior, const Walk* walk) const;
+  std::vector<TileBricks> Scan(const TileNode& unit, const Interior* interior, const Interior* finer,
+                               const Walk* walk) const;
 
   // Leaves the memory of blocks to later jobs. Precondition: no Scan runs.
   void LeaveMemory() const { scans_.Leave(); }
 
  private:
-  void Process(const TileNode& node, const Interior* interior, const Walk* walk, std::vector<TileBricks>& out) const;
+  void Process(const TileNode& node, const Interior* interior, const Interior* finer, const Walk* walk,
+               std::vector<TileBricks>& out) const;
   void ScanLeaf(const TileNode& node, const Interior* interior, const Walk* walk, std::vector<TileBricks>& out) const;
 
   const ExactPlan& plan_;
@@ -45,6 +49,7 @@ class UnitScan {
   const TileContext context_;
   const FieldTiles fields_;
   const LinkTiles links_;
+  const FractionTiles fractions_;
   const std::optional<BandContext> band_;
   mutable ScanPool<BlockScan> scans_;
   mutable ScanPool<BandScan> band_scans_;

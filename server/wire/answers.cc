@@ -142,6 +142,7 @@ v1::Certificate CertificateToProto(const JobSpec& spec, const JobFacts& facts, c
   if (request.band() != nullptr) certificate.mutable_band()->set_width(facts.band_width);
   FieldsToProto(request.fields, totals, certificate);
   certificate.set_signed_distance(request.signed_distance);
+  certificate.set_fraction_n(request.fraction_n);
   return certificate;
 }
 

@@ -33,6 +33,9 @@ constexpr uint64_t kLinkThreadVoxels = uint64_t{1} << 19;
 constexpr uint64_t kBytesPerTriangle = 48, kBytesPerVertex = 24;
 constexpr uint64_t kBytesPerMeshField = 8;
 
+// Fractions: the inside of two tiles in each thread, and the vertices of the finer mesh.
+constexpr uint64_t kFractionThreadBytes = uint64_t{3} << 20, kFractionBytesPerVertex = 18;
+
 // Thinning: where triangles fill a volume, many voxels of a block of 128^3 are in doubt.
 constexpr double kBlockSide = 128, kBytesPerVoxelOfBlock = 60, kMostBytesOfBlock = 64 << 20;
 
@@ -79,18 +82,21 @@ void JobMemory::Free() { memory_.Shrink(0); }
 // For a job with a mesh of this size.
 uint64_t JobMemory::BytesOf(uint64_t triangles, uint64_t vertices) const {
   const FieldList nearest = request_.fields.OfNearest();
-  const uint64_t bytes_of_voxel = nearest.bytes(0), of_links = request_.fields.OfLinks().bytes(kMostNeighbors);
+  const bool has_fraction = request_.fraction_n != 0;
+  const uint64_t bytes_of_voxel = nearest.bytes(0) + (has_fraction ? FactsOf(Field::kFraction).bytes(0) : 0);
+  const uint64_t of_links = request_.fields.OfLinks().bytes(kMostNeighbors);
   const uint64_t of_thread = (request_.fields.empty() ? 0 : kFieldThreadBytes) + kFieldThreadVoxels * bytes_of_voxel +
-                             kLinkThreadVoxels * of_links;
+                             kLinkThreadVoxels * of_links + (has_fraction ? kFractionThreadBytes : 0);
   const uint64_t of_triangle =
       (nearest.empty() ? 0 : TriangleIndex::kBytesPerTriangle) + (IsLabeled() ? kLabelBytesPerTriangle : 0);
   return kStreamBytes + threads_ * (kThreadBytes + of_thread) + triangles * (kBytesPerTriangle + of_triangle) +
-         vertices * (kBytesPerVertex + request_.fields.OfMesh().size() * kBytesPerMeshField);
+         vertices * (kBytesPerVertex + request_.fields.OfMesh().size() * kBytesPerMeshField +
+                     (has_fraction ? kFractionBytesPerVertex : 0));
 }
 
 // More for a job that finds the inside.
 uint64_t JobMemory::BytesOfSolid(double line_crossings) const {
-  if (request_.solid() == nullptr && !request_.signed_distance) return 0;
+  if (request_.solid() == nullptr && !request_.signed_distance && request_.fraction_n == 0) return 0;
   if (!IsLabeled()) return threads_ * kSolidThreadBytes + ToBytes(line_crossings * kBytesPerLineCrossing);
   return threads_ * (kSolidThreadBytes + kLabelThreadBytes) + ToBytes(line_crossings * kBytesPerLabeledCrossing);
 }

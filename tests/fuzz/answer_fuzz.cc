@@ -45,5 +45,8 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   request.fields = {Field::kColor, Field::kPart, Field::kTriangle, Field::kPoint, Field::kNormal};
   request.signed_distance = false;
   Receive(data, size, request);
+  request.fields = {Field::kFraction};
+  request.fraction_n = 2;
+  Receive(data, size, request);
   return 0;
 }

@@ -58,6 +58,10 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size) {
     return 0;
   if (solid != nullptr && latvox::EstimateVoxels(mesh, latvox::ExtentOf(mesh), *grid, spec->request) > kManyVoxels)
     return 0;
+  // Fractions find the inside on a finer lattice.
+  if (spec->request.fraction_n != 0 &&
+      latvox::EstimateVisits(mesh, latvox::ExtentOf(mesh), *grid, spec->request) > kManyVoxels)
+    return 0;
   const auto job = latvox::VoxelizeJob::CreateFromValid(mesh, *grid, spec->request);
   if (!job.ok()) return 0;
 

@@ -100,11 +100,14 @@ enum class Field {
   kLinks,          // the share of the link's length at which it first meets the mesh; NaN: it is not crossed
   kLinkTriangles,  // the number of the triangle that it meets first; 4294967295: it is not crossed
   kLinkCrossings,  // the number of triangles that cross the link
+  // Not of the nearest triangle, and one number: of n^3 points of the voxel's cell, those inside the mesh.
+  kFraction,
 };
 
 // The types of a field's components.
 enum class NumberType {
   kUint8,    // unsigned, 8 bits
+  kUint16,   // unsigned, 16 bits, little-endian
   kUint32,   // unsigned, 32 bits, little-endian
   kFloat32,  // IEEE 754, 32 bits, little-endian
 };
@@ -136,6 +139,7 @@ inline constexpr std::array kFields{
     FieldFacts{Field::kLinks, "links", NumberType::kFloat32, 0, false},
     FieldFacts{Field::kLinkTriangles, "link_triangles", NumberType::kUint32, 0, false},
     FieldFacts{Field::kLinkCrossings, "link_crossings", NumberType::kUint32, 0, false},
+    FieldFacts{Field::kFraction, "fraction", NumberType::kUint16, 1, false},
 };
 
 // Returns the row of a field.
@@ -170,9 +174,12 @@ struct FieldValues {
   // Returns the numbers of a voxel.
   size_t components() const { return FactsOf(field).is_of_links() ? neighbors : FactsOf(field).components; }
   // Returns the bytes of a voxel.
-  size_t bytes_of_voxel() const { return components() * (FactsOf(field).type == NumberType::kUint8 ? 1 : 4); }
+  size_t bytes_of_voxel() const {
+    const NumberType type = FactsOf(field).type;
+    return components() * (type == NumberType::kUint8 ? 1 : type == NumberType::kUint16 ? 2 : 4);
+  }
 
-  // Returns all components. T is uint8_t, uint32_t or float, as FieldFacts::type says.
+  // Returns all components. T is uint8_t, uint16_t, uint32_t or float, as FieldFacts::type says.
   template <class T>
   std::span<const T> As() const {
     return {reinterpret_cast<const T*>(bytes.data()), bytes.size() / sizeof(T)};
@@ -338,6 +345,7 @@ struct VoxelizeRequest {
   VoxelSet set = Surface{};                         // the lattice points to find
   std::vector<Field> fields = {};                   // carried by each of them, each once; the mesh must have its own
   bool signed_distance = false;                     // Field::kDistance is negative inside
+  uint32_t fraction_n = 0;  // for Field::kFraction: points along each axis of a cell, 2 to 16; otherwise 0
   // Only voxels whose centers lie in this box, exactly as in the whole; the lattice does not move.
   std::optional<WorldBox> bounds = std::nullopt;
   std::optional<RawMeshLayout> raw_mesh = std::nullopt;  // layout of the mesh's bytes; default: they are a Draco stream
@@ -480,6 +488,7 @@ struct Certificate {
   std::optional<BandFacts> band = std::nullopt;    // for a band
   std::vector<FieldCertificate> fields = {};       // one for each of VoxelizeRequest.fields, in their order
   bool signed_distance = false;                    // as in the request
+  uint32_t fraction_n = 0;                         // as in the request
   bool whole_minimal = false;                      // `minimal` of the whole to which this part belongs
   std::optional<WalkFacts> walk = std::nullopt;    // for an enclosed set and a region
 };

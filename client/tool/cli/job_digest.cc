@@ -108,6 +108,7 @@ Json RequestJson(const VoxelizeRequest& request) {
   if (const auto* links = std::get_if<Links>(&request.set)) json["side"] = NameOf(links->side);
   for (const Field field : request.fields) json["fields"].push_back(NameOf(field));
   if (request.signed_distance) json["signed"] = true;
+  if (request.fraction_n != 0) json["fraction_n"] = request.fraction_n;
   if (request.shard) json["shard"] = {request.shard->index, request.shard->count};
   if (const auto* enclosed = std::get_if<Enclosed>(&request.set)) {
     json["walk"] = {enclosed->close, OrNull(enclosed->leak_from)};

@@ -66,6 +66,7 @@ Json FieldsJson(const Certificate& certificate, const CarriedNames& names) {
   for (const auto& [field, digest] : certificate.fields) {
     Json& of_field = json[NameOf(field)] = {{"digest", digest}};
     if (field == Field::kDistance) of_field["signed"] = certificate.signed_distance;
+    if (field == Field::kFraction) of_field["n"] = certificate.fraction_n;
     if (!names.Of(field).empty()) of_field["names"] = names.Of(field);
   }
   return json;
@@ -147,8 +148,10 @@ std::string WalkText(const Certificate& certificate, double voxel_size) {
 std::string FieldsText(const Certificate& certificate) {
   if (certificate.fields.empty()) return "";
   const auto name = [](std::string* out, const FieldCertificate& field) { *out += NameOf(field.field); };
-  return absl::StrCat("each voxel carries ", absl::StrJoin(certificate.fields, ", ", name),
-                      certificate.signed_distance ? "; distances are negative inside\n" : "\n");
+  return absl::StrCat(
+      "each voxel carries ", absl::StrJoin(certificate.fields, ", ", name),
+      certificate.fraction_n != 0 ? absl::StrCat("; fractions are of ", certificate.fraction_n, "^3 points") : "",
+      certificate.signed_distance ? "; distances are negative inside\n" : "\n");
 }
 
 std::string VerificationText(const Certificate& certificate) {

@@ -25,9 +25,20 @@ const Names<Field>& FieldNames() {
   return *kNames;
 }
 
+// Removes the number of points from fraction:N. Returns false if it has none; other words have none.
+bool ConsumePoints(absl::string_view& word, uint32_t& points) {
+  const std::string name = NameOf(Field::kFraction);
+  if (word != name && !absl::StartsWith(word, name + ":")) return true;
+  const absl::string_view number = absl::StripPrefix(word.substr(name.size()), ":");
+  word = word.substr(0, name.size());
+  return ParseNumber(number, points);
+}
+
 std::string CheckFields(const std::string& text) {
   std::vector<absl::string_view> seen;
-  for (const absl::string_view word : absl::StrSplit(text, ',')) {
+  for (absl::string_view word : absl::StrSplit(text, ',')) {
+    uint32_t points = 0;
+    if (!ConsumePoints(word, points)) return "fraction needs a number of points along each axis, such as fraction:8";
     const auto has_name = [word](const auto& name) { return name.first == word; };
     if (std::none_of(FieldNames().begin(), FieldNames().end(), has_name)) {
       return absl::StrCat("\"", word, "\" is not one of ", absl::StrJoin(WordsOf(FieldNames()), ", "));
@@ -216,8 +227,10 @@ std::vector<OptionRow> FieldRows(VoxelizeWords& words) {
   return {
       {.names = "--fields",
        .target = &words.fields,
-       .help = "What each voxel carries: from its nearest triangle part, material, color, distance, triangle, point, "
-               "normal; for each neighbor links, link_triangles, link_crossings; or a list",
+       .help =
+           "What each voxel carries: from its nearest triangle part, material, color, distance, triangle, point, "
+           "normal; for each neighbor links, link_triangles, link_crossings; fraction:N, how many of the N^3 points "
+           "of its cell are inside; or a list",
        .value = "NAME,...",
        .checks = {{CheckFields}},
        .standard = "distance for a band, otherwise none"},
@@ -317,7 +330,9 @@ void InterpretFields(const VoxelizeWords& words, VoxelizeOptions& options) {
   VoxelizeRequest& request = options.request;
   if (!words.fields.empty()) {
     for (const absl::string_view word : absl::StrSplit(words.fields, ',')) {
-      request.fields.push_back(ValueNamed(FieldNames(), std::string(word)));
+      absl::string_view name = word;
+      ConsumePoints(name, request.fraction_n);
+      request.fields.push_back(ValueNamed(FieldNames(), std::string(name)));
     }
   } else if (std::holds_alternative<Band>(request.set)) {
     request.fields = {Field::kDistance};

@@ -28,7 +28,8 @@ inline constexpr std::array<FieldColumns, kFields.size()> kFieldColumns{{{{"part
                                                                          {{"nx", "ny", "nz"}},
                                                                          {{"link"}},
                                                                          {{"link_triangle"}},
-                                                                         {{"link_crossings"}}}};
+                                                                         {{"link_crossings"}},
+                                                                         {{"fraction"}}}};
 
 // Returns the names of a field's columns. Those of links end in the neighbor's lattice vector: link_-1_0_1.
 inline std::vector<std::string> ColumnsOf(Field field, const std::vector<Vec3i>& neighbors) {
@@ -40,11 +41,14 @@ inline std::vector<std::string> ColumnsOf(Field field, const std::vector<Vec3i>&
   return columns;
 }
 
-// Returns the type of a component in numpy: "<i4", "|u1" or "<f4". Numbers are below 2^31, and -1 means that there is
-// no triangle.
+// Returns the type of a component in numpy: "<i4", "<u2", "|u1" or "<f4". Numbers are below 2^31, and -1 means that
+// there is no triangle.
 constexpr const char* NumpyTypeOf(Field field) {
   const NumberType type = FactsOf(field).type;
-  return type == NumberType::kUint8 ? "|u1" : type == NumberType::kUint32 ? "<i4" : "<f4";
+  return type == NumberType::kUint8    ? "|u1"
+         : type == NumberType::kUint16 ? "<u2"
+         : type == NumberType::kUint32 ? "<i4"
+                                       : "<f4";
 }
 
 // Returns the bytes of a voxel's field.
@@ -61,6 +65,7 @@ inline void AppendVoxel(const FieldValues& from, size_t voxel, FieldValues& to) 
 // Returns the number of a voxel in a field of integers; of a color, red << 16 | green << 8 | blue.
 inline uint32_t NumberAt(const FieldValues& values, size_t voxel) {
   if (FactsOf(values.field).type == NumberType::kUint32) return values.As<uint32_t>()[voxel];
+  if (FactsOf(values.field).type == NumberType::kUint16) return values.As<uint16_t>()[voxel];
   const uint8_t* const rgb = &values.As<uint8_t>()[3 * voxel];
   return uint32_t{rgb[0]} << 16 | uint32_t{rgb[1]} << 8 | rgb[2];
 }

@@ -66,10 +66,11 @@ ZipMember Dense(const DenseArray& field, DenseBox& box) {
           }};
 }
 
-// Returns the bytes of a component where there is no voxel: NaN, -1, or 0 for colors.
+// Returns the bytes of a component where there is no voxel: NaN, -1, or 0 for colors and fractions.
 std::string EmptyOf(NumberType type) {
   if (type == NumberType::kFloat32) return BytesOf(std::numeric_limits<float>::quiet_NaN());
-  return type == NumberType::kUint32 ? BytesOf(int32_t{-1}) : BytesOf(uint8_t{0});
+  if (type == NumberType::kUint32) return BytesOf(int32_t{-1});
+  return type == NumberType::kUint16 ? BytesOf(uint16_t{0}) : BytesOf(uint8_t{0});
 }
 
 class NpzOutput final : public Output {

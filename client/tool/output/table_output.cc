@@ -98,8 +98,9 @@ void AppendText(const FieldValues& values, size_t voxel, std::string& rows) {
     if (facts.type == NumberType::kFloat32) {
       end = std::to_chars(text, text + sizeof(text), values.As<float>()[n], std::chars_format::general, 9).ptr;
     } else {
-      const int32_t number = facts.type == NumberType::kUint8 ? int32_t{values.As<uint8_t>()[n]}
-                                                              : static_cast<int32_t>(values.As<uint32_t>()[n]);
+      const int32_t number = facts.type == NumberType::kUint8    ? int32_t{values.As<uint8_t>()[n]}
+                             : facts.type == NumberType::kUint16 ? int32_t{values.As<uint16_t>()[n]}
+                                                                 : static_cast<int32_t>(values.As<uint32_t>()[n]);
       end = std::to_chars(text, text + sizeof(text), number).ptr;
     }
     *end++ = ',';
@@ -196,7 +197,10 @@ class PlyOutput final : public TableOutput {
     const std::string count = absl::StrCat(rows);
     const auto property = [](Field field, const std::string& name) {
       const NumberType type = FactsOf(field).type;
-      const char* const word = type == NumberType::kUint8 ? "uchar" : type == NumberType::kUint32 ? "int" : "float";
+      const char* const word = type == NumberType::kUint8    ? "uchar"
+                               : type == NumberType::kUint16 ? "ushort"
+                               : type == NumberType::kUint32 ? "int"
+                                                             : "float";
       return absl::StrCat("property ", word, " ", name, "\n");
     };
     // The comment pads for the length of the number.

@@ -58,6 +58,7 @@ inline std::vector<JobKind> JobKinds() {
           {"links", 12000, {.set = Links{}}},
           {"outer links", 4000, {.set = Links{LinkSide::kOutside}, .fields = {Field::kLinks, Field::kLinkTriangles}}},
           {"solid with links", 4000, {.set = Solid{}, .fields = {Field::kLinkCrossings, Field::kPart}}},
+          {"solid with fractions", 3000, {.set = Solid{}, .fields = {Field::kFraction}, .fraction_n = 4}},
           {"supercover", 28000, {.set = SupercoverSurface{}}},
           {"brute force", 1500, {.algorithm = Algorithm::kBruteForce}},
           {"incremental", 10000, {.algorithm = Algorithm::kIncremental}},

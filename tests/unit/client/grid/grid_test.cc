@@ -213,6 +213,8 @@ TEST_F(Grid, EveryFieldIsReadBackAsItWasWritten) {
       fields.push_back(ValuesOf<float>(row.field, {0.25F, -0.5F, 0.125F, 1, 0, 0.75F}));
     } else if (row.type == NumberType::kUint32) {
       fields.push_back(ValuesOf<uint32_t>(row.field, {9, 0x7FFFFFFF, 0, 0, 0, 0}));
+    } else if (row.type == NumberType::kUint16) {
+      fields.push_back(ValuesOf<uint16_t>(row.field, {4096, 511}));
     } else {
       fields.push_back(ValuesOf<uint8_t>(row.field, {0, 7, 255, 254, 1, 128}));
     }

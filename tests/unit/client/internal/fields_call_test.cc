@@ -246,6 +246,31 @@ TEST(FieldsCall, HaveANumberForEachNeighbor) {
   neighbors(std::vector<int32_t>(28, 0), "28 neighbors, over 26");
 }
 
+TEST(FieldsCall, FractionsAreUpToTheNumberOfPoints) {
+  VoxelizeRequest asked;
+  asked.fields = {Field::kFraction};
+  asked.fraction_n = 2;
+  const auto answers_with = [](const std::vector<uint16_t>& second, uint32_t n) {
+    Answers answers = AnswersWith({{Bytes<uint16_t>({8}), Bytes(second)}});
+    v1::Certificate& certificate = *answers.summary.mutable_summary()->mutable_certificate();
+    certificate.set_set("surface");
+    certificate.clear_band();
+    certificate.set_signed_distance(false);
+    certificate.mutable_fields(0)->set_field(v1::FIELD_FRACTION);
+    certificate.set_fraction_n(n);
+    return answers;
+  };
+  const auto all = Call(asked, answers_with({0, 1, 2, 3, 7}, 2).All());
+  ASSERT_TRUE(all.ok()) << all.status();
+  EXPECT_THAT(all->fields[0].As<uint16_t>(), ElementsAre(8, 0, 1, 2, 3, 7));
+  EXPECT_EQ(all->summary.certificate.fraction_n, 2U);
+  const auto message = [&](const Answers& answers) {
+    return std::string(Call(asked, answers.All()).status().message());
+  };
+  EXPECT_THAT(message(answers_with({0, 1, 9, 3, 7}, 2)), HasSubstr("the field fraction has the value 9"));
+  EXPECT_THAT(message(answers_with({0, 1, 2, 3, 7}, 3)), HasSubstr("fractions by 3 points instead of 2"));
+}
+
 // The first stream breaks after its first tile. The second one brings the rest, and counts and digests of the rest
 // alone.
 TEST(FieldsCall, AResumedStreamsDigestsAreThoseOfAll) {

@@ -18,6 +18,7 @@
 #include "tests/unit/core/exact.h"
 #include "tests/unit/core/fields.h"
 #include "tests/unit/core/fields/link_oracle.h"
+#include "tests/unit/core/fields/shards.h"
 #include "tests/unit/core/sphere.h"
 
 namespace latvox {
@@ -223,12 +224,7 @@ TEST(Links, OfPartsAreThoseOfTheWhole) {
   const size_t neighbors = NeighborsOf(grid.lattice.frames(0)).size();
   const VoxelizeOptions whole{.set = Links{}, .fields = kAll};
   const Result all = Voxelize(mesh, grid, whole);
-  JobTotals sum;
-  for (uint32_t index = 0; index < 3; ++index) {
-    VoxelizeOptions part = whole;
-    part.shard = Shard{index, 3};
-    sum.Add(Voxelize(mesh, grid, part).totals);
-  }
+  const JobTotals sum = TotalsOfShards(mesh, grid, whole, 3);
   EXPECT_EQ(sum.voxels, all.totals.voxels);
   EXPECT_EQ(sum.digest, all.totals.digest);
   EXPECT_EQ(sum.fields, all.totals.fields);

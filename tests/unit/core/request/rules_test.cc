@@ -54,6 +54,16 @@ TEST(Rules, NameFieldValueAndLimitOfAValue) {
             (Words{"signed_distance true: needs distance among fields", "signed_distance", "true", ""}));
 }
 
+TEST(Rules, OfFractionsAskForTheirFieldAndANumberOfPoints) {
+  using Words = std::vector<std::string>;
+  EXPECT_EQ(RefusalOf({.fields = {Field::kPart}, .fraction_n = 8}),
+            (Words{"fraction_n 8: needs fraction among fields", "fraction_n", "8", ""}));
+  EXPECT_EQ(RefusalOf({.fields = {Field::kFraction}}), (Words{"fraction_n 0 is below 2", "fraction_n", "0", "2"}));
+  EXPECT_EQ(RefusalOf({.fields = {Field::kFraction}, .fraction_n = 17}),
+            (Words{"fraction_n 17 exceeds 16", "fraction_n", "17", "16"}));
+  EXPECT_TRUE(MakeRequest({.fields = {Field::kFraction}, .fraction_n = 16}).ok());
+}
+
 TEST(Rules, OfLabelsAskForTheirFieldAndForEachLabelOnce) {
   using Words = std::vector<std::string>;
   const auto refusal = [](std::optional<Field> labels, std::vector<uint32_t> priority) {

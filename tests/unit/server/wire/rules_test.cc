@@ -62,7 +62,9 @@ std::vector<BadSpecCase> BadValues() {
        "algorithm 5 is not an algorithm", "algorithm"},
       {"surface 4", [](Spec& s) { s.mutable_solid()->set_surface(static_cast<v1::SolidSurface>(4)); },
        "solid.surface 4 is not a surface", "solid.surface"},
-      {"field 8", [](Spec& s) { s.add_fields(static_cast<v1::Field>(8)); }, "fields 8 is not a field", "fields"},
+      {"field 12", [](Spec& s) { s.add_fields(static_cast<v1::Field>(12)); }, "fields 12 is not a field", "fields"},
+      {"points", [](Spec& s) { s.set_fraction_n(8); }, "fraction_n 8: needs fraction among fields", "fraction_n"},
+      {"no points", [](Spec& s) { s.add_fields(v1::FIELD_FRACTION); }, "fraction_n 0 is below 2", "fraction_n"},
       {"signs", [](Spec& s) { s.set_signed_distance(true); }, "needs distance among fields", "signed_distance"},
       {"encoding 4", [](Spec& s) { s.set_encoding(static_cast<v1::BrickEncoding>(4)); },
        "encoding 4 is not an encoding", "encoding"}};
@@ -271,6 +273,15 @@ TEST(Certificate, OfABandSaysWhatItIsAndClaimsNothingOfASurface) {
   ASSERT_EQ(certificate.fields_size(), 1);
   EXPECT_EQ(certificate.fields(0).field(), v1::FIELD_DISTANCE);
   EXPECT_EQ(certificate.fields(0).digest(), Digest().ToHex());
+}
+
+TEST(Certificate, OfAFractionHasTheNumberOfItsPoints) {
+  v1::VoxelizeSpec asked = GoodSpec();
+  asked.add_fields(v1::FIELD_FRACTION);
+  asked.set_fraction_n(8);
+  const v1::Certificate certificate = CertificateToProto(*JobSpecFromProto(asked, {}), {}, {}, {}, std::nullopt);
+  EXPECT_EQ(certificate.fraction_n(), 8U);
+  EXPECT_EQ(certificate.fields(0).field(), v1::FIELD_FRACTION);
 }
 
 TEST(Certificate, ClaimsOfAnotherAlgorithmThanTheExactOneOnlyWhatWasCounted) {

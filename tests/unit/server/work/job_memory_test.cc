@@ -69,6 +69,15 @@ TEST(JobMemory, ReservesForFieldsByThreadsAndVertices) {
             kOfMesh + 3 * (4 + 2 * 12) * kMebibyte + kOfIndex);
 }
 
+TEST(JobMemory, ReservesForFractions) {
+  VoxelRequest fraction = NotThinned();
+  fraction.fields = {Field::kFraction};
+  fraction.fraction_n = 8;
+  EXPECT_EQ(ReservedForMesh(fraction, kThreads, kTriangles, kVertices),
+            kOfMesh + 3 * (4 + 2 * 2 + 3) * kMebibyte + 600 * 18);
+  EXPECT_EQ(AddedForJob(fraction, kSixBlocks), AddedForJob(NotThinned(), kSixBlocks) + 3 * 2 * kMebibyte);
+}
+
 TEST(JobMemory, ReservesForLabels) {
   const auto filled = [](bool open, std::optional<Field> labels) {
     VoxelRequest request = Filled(open);
