@@ -1,5 +1,6 @@
 #include "client/tool/confined/reader_main.h"
 
+#include <sched.h>
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <unistd.h>
@@ -47,8 +48,11 @@ class Channel {
   static void Write(const char* at, size_t bytes) {
     while (bytes > 0) {
       const ssize_t sent = write(kReaderChannel, at, bytes);
-      if (sent < 0 && errno != EINTR) GiveUp();
-      if (sent < 0) continue;
+      if (sent < 0 && errno != EINTR && errno != ENOMEM) GiveUp();
+      if (sent < 0) {  // a pipe may get no page for a moment; the limit of processor time ends the wait
+        sched_yield();
+        continue;
+      }
       at += sent;
       bytes -= static_cast<size_t>(sent);
     }
