@@ -1,6 +1,6 @@
-"""Pictures for `draw` that latvox cannot draw itself: the way of a leak, links, and a comparison of their shares.
+"""Pictures for `draw` that latvox cannot draw itself: the way of a leak, links, a comparison of their shares, fractions.
 
-Each takes files that the commands of client/docs/sets.md leave in a folder. No picture has text, because fonts differ.
+Each takes files that the commands of client/docs/sets.md or fields.md leave in a folder. No picture has text, because fonts differ.
 """
 
 import csv
@@ -88,3 +88,21 @@ def draw_shares(folder):
         for exact, share in csv.reader(file):
             put(round(float(exact) * (SIDE - 1)), round(float(share) * (SIDE - 1)), b"\x1f\x4e\x9c")
     run("convert", "ppm:-", folder / "shares.png", input=b"P6 %d %d 255\n" % (SIDE, SIDE) + pixels)
+
+
+def draw_fractions(folder):
+    """Draws fraction.png: the middle layer of fraction.csv across z, darker where more of a cell is inside."""
+    with open(folder / "fraction.csv") as file:
+        rows = [[int(row[name]) for name in ("i", "j", "k", "fraction")] for row in csv.DictReader(file)]
+    layer = (min(row[2] for row in rows) + max(row[2] for row in rows)) // 2
+    cells = {(i, j): fraction for i, j, k, fraction in rows if k == layer}
+    left, top = min(i for i, _ in cells), max(j for _, j in cells)
+    width, height = max(i for i, _ in cells) + 1 - left, top + 1 - min(j for _, j in cells)
+    side = SIDE // max(width, height)  # pixels of a cell
+    most = max(cells.values())
+    pixels = bytearray()
+    for y in range(height):
+        line = b"".join(bytes([255 - 225 * cells.get((left + x, top - y), 0) // most]) * side for x in range(width))
+        pixels += line * side
+    head = b"P5 %d %d 255\n" % (width * side, height * side)
+    run("convert", "pgm:-", folder / "fraction.png", input=head + pixels)
