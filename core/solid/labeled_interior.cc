@@ -125,7 +125,8 @@ class ClosedLabeledInterior : public Interior {
     auto first = sorted.begin();
     for (const auto& [rank, at_corner] : sums) {
       if (stop_.Stopped()) break;
-      const auto end = std::find_if(first, sorted.end(), [&](uint32_t t) { return labels_.of_triangles[t] != rank; });
+      const auto end =
+          std::find_if(first, sorted.end(), [&, rank = rank](uint32_t t) { return labels_.of_triangles[t] != rank; });
       ClosedRows::Find(mesh_, rule_, tile_ijk * kTileSide, at_corner, {first, end}, stop_, rows);
       first = end;
       for (size_t row = 0; row < InteriorRows::kRows; ++row) {

@@ -307,7 +307,7 @@ TEST(LabeledSolids, AreTheUnionOfTheirParts) {
       const ForcedSimd forced(simd);
       EXPECT_EQ(Voxelize(mesh, grid, options, 3).totals.fields, whole.totals.fields);
     }
-    Digest shards, rest;
+    Digest shards;
     for (uint32_t index = 0; index < 3; ++index) {
       VoxelizeOptions shard = options;
       shard.shard = Shard{index, 3};
