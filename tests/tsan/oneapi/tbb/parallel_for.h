@@ -47,6 +47,14 @@ void parallel_for(const blocked_range<T>& range, const Body& body) {
   ForEachPart(range, [&body](int, const blocked_range<T>& part) { body(part); });
 }
 
+// Parts are always as small as the grain.
+struct simple_partitioner {};
+
+template <class T, class Body>
+void parallel_for(const blocked_range<T>& range, const Body& body, const simple_partitioner&) {
+  parallel_for(range, body);
+}
+
 }  // namespace tbb
 
 #endif  // LATVOX_TESTS_TSAN_ONEAPI_TBB_PARALLEL_FOR_H_
