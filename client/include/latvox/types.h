@@ -15,48 +15,12 @@
 #include <variant>
 #include <vector>
 
+#include "latvox/fields.h"
+#include "latvox/lattice.h"
+#include "latvox/sets.h"
 #include "latvox/warning.h"
 
 namespace latvox::client {
-
-using Vec3d = std::array<double, 3>;   // a world position or vector: x, y, z
-using Vec3i = std::array<int32_t, 3>;  // lattice coordinates: i, j, k
-
-// The world vectors of one step in i, j and k.
-struct Basis {
-  Vec3d a{1, 0, 0};  // of i
-  Vec3d b{0, 1, 0};  // of j
-  Vec3d c{0, 0, 1};  // of k
-  bool operator==(const Basis&) const = default;
-};
-
-// The common lattices, in the protocol's order.
-enum class NamedLattice {
-  kCartesian,  // cubes
-  kBcc,        // body-centered cubic
-  kFcc,        // face-centered cubic
-  kHexagonal,  // hexagonal prism
-};
-
-// A common lattice: its value, its name, and its basis up to scale.
-struct NamedBasis {
-  NamedLattice lattice;  // its value
-  const char* name;      // in the protocol, in files and on the command line
-  Basis basis;           // up to scale
-};
-
-// All of them, in the order of their values.
-inline constexpr std::array kNamedLattices{
-    NamedBasis{NamedLattice::kCartesian, "cartesian", {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}},
-    NamedBasis{NamedLattice::kBcc, "bcc", {{2, 0, 0}, {0, 2, 0}, {1, 1, 1}}},
-    NamedBasis{NamedLattice::kFcc, "fcc", {{1, 1, 0}, {1, 0, 1}, {0, 1, 1}}},
-    NamedBasis{NamedLattice::kHexagonal,
-               "hexagonal",
-               {{1, 0, 0}, {0.5, 0x1.bb67ae8584caap-1, 0}, {0, 0, 1}}},  // (1/2, sqrt(3)/2, 0)
-};
-
-// "cartesian", "bcc", "fcc" or "hexagonal".
-constexpr const char* NameOf(NamedLattice lattice) { return kNamedLattices[static_cast<size_t>(lattice)].name; }
 
 // The ways to find voxels. All except kExact are for comparison.
 enum class Algorithm {
@@ -87,135 +51,12 @@ struct Shard {
   bool operator==(const Shard&) const = default;
 };
 
-// The values that voxels can carry, of the nearest triangle or for each neighbor: see Field in the protocol.
-enum class Field {
-  kPart,      // the part of the mesh
-  kMaterial,  // the material
-  kColor,     // red, green, blue
-  kDistance,  // the distance to the mesh, world units
-  kTriangle,  // the number of the nearest triangle in the mesh as sent
-  kPoint,     // its nearest point, as weights of its second and third corner
-  kNormal,    // its unit normal in the world: x, y, z
-  // The next three have a number for each of Accepted::neighbors.
-  kLinks,          // the share of the link's length at which it first meets the mesh; NaN: it is not crossed
-  kLinkTriangles,  // the number of the triangle that it meets first; 4294967295: it is not crossed
-  kLinkCrossings,  // the number of triangles that cross the link
-  // Not of the nearest triangle, and one number: of n^3 points of the voxel's cell, those inside the mesh.
-  kFraction,
-};
-
-// The types of a field's components.
-enum class NumberType {
-  kUint8,    // unsigned, 8 bits
-  kUint16,   // unsigned, 16 bits, little-endian
-  kUint32,   // unsigned, 32 bits, little-endian
-  kFloat32,  // IEEE 754, 32 bits, little-endian
-};
-
-// A field's name, and the form of its values.
-struct FieldFacts {
-  Field field;        // the field of this row
-  const char* name;   // in the protocol, in files and on the command line
-  NumberType type;    // of each component
-  size_t components;  // of a voxel; 0: one for each of Accepted::neighbors
-  bool is_of_mesh;    // each vertex of the mesh has a number for it
-
-  // Returns whether a voxel has a number for each neighbor.
-  constexpr bool is_of_links() const { return components == 0; }
-};
-
-// The most neighbors of a lattice point, of all lattices.
-inline constexpr size_t kMostNeighbors = 26;
-
-// All fields, in the order of their values.
-inline constexpr std::array kFields{
-    FieldFacts{Field::kPart, "part", NumberType::kUint32, 1, true},
-    FieldFacts{Field::kMaterial, "material", NumberType::kUint32, 1, true},
-    FieldFacts{Field::kColor, "color", NumberType::kUint8, 3, true},
-    FieldFacts{Field::kDistance, "distance", NumberType::kFloat32, 1, false},
-    FieldFacts{Field::kTriangle, "triangle", NumberType::kUint32, 1, false},
-    FieldFacts{Field::kPoint, "point", NumberType::kFloat32, 2, false},
-    FieldFacts{Field::kNormal, "normal", NumberType::kFloat32, 3, false},
-    FieldFacts{Field::kLinks, "links", NumberType::kFloat32, 0, false},
-    FieldFacts{Field::kLinkTriangles, "link_triangles", NumberType::kUint32, 0, false},
-    FieldFacts{Field::kLinkCrossings, "link_crossings", NumberType::kUint32, 0, false},
-    FieldFacts{Field::kFraction, "fraction", NumberType::kUint16, 1, false},
-};
-
-// Returns the row of a field.
-constexpr const FieldFacts& FactsOf(Field field) { return kFields[static_cast<size_t>(field)]; }
-
-// Returns its name, for example "part" or "link_triangles".
-constexpr const char* NameOf(Field field) { return FactsOf(field).name; }
-
-// Returns whether the field is among these.
-inline bool CarriesField(std::span<const Field> fields, Field field) {
-  for (const Field one : fields) {
-    if (one == field) return true;
-  }
-  return false;
-}
-
-// Returns whether a field among these has a number for each neighbor.
-inline bool CarriesLinks(std::span<const Field> fields) {
-  for (const Field one : fields) {
-    if (FactsOf(one).is_of_links()) return true;
-  }
-  return false;
-}
-
-// The values of voxels for one field, without gaps: bytes_of_voxel for each voxel, brick after brick, and within a
-// brick in lexicographic order of ijk.
-struct FieldValues {
-  Field field = Field::kPart;         // the field that voxels carry
-  std::vector<std::byte> bytes = {};  // little-endian
-  size_t neighbors = 0;               // of a voxel, for a field with a number for each
-
-  // Returns the numbers of a voxel.
-  size_t components() const { return FactsOf(field).is_of_links() ? neighbors : FactsOf(field).components; }
-  // Returns the bytes of a voxel.
-  size_t bytes_of_voxel() const {
-    const NumberType type = FactsOf(field).type;
-    return components() * (type == NumberType::kUint8 ? 1 : type == NumberType::kUint16 ? 2 : 4);
-  }
-
-  // Returns all components. T is uint8_t, uint16_t, uint32_t or float, as FieldFacts::type says.
-  template <class T>
-  std::span<const T> As() const {
-    return {reinterpret_cast<const T*>(bytes.data()), bytes.size() / sizeof(T)};
-  }
-  bool operator==(const FieldValues&) const = default;
-};
-
-// Returns the values of a field, or null if there are none.
-inline const FieldValues* FindField(std::span<const FieldValues> fields, Field field) {
-  for (const FieldValues& values : fields) {
-    if (values.field == field) return &values;
-  }
-  return nullptr;
-}
-
 // The encoding of bricks on the wire; the result is the same.
 enum class BrickEncoding {
   kMasks,       // 76 bytes a brick
   kPacked,      // about a quarter of that
   kPackedZstd,  // a quarter less again, for twice the time on both sides: for networks below about one gigabit a second
 };
-
-// The rule for the inside of a mesh: by the number of crossings on the way from outside, or by their sum. Each crossing
-// counts + or - by the triangle's orientation.
-enum class InteriorRule {
-  kAuto,      // kWinding if triangles use every edge equally often both ways, otherwise kParity
-  kParity,    // an odd number
-  kWinding,   // a sum other than 0: overlapping bodies are one
-  kPositive,  // a sum above 0: the same, and what is turned inside out is nowhere inside
-};
-
-// "auto", "parity", "winding" or "positive".
-constexpr const char* NameOf(InteriorRule rule) {
-  constexpr const char* kNames[] = {"auto", "parity", "winding", "positive"};
-  return kNames[static_cast<size_t>(rule)];
-}
 
 // The place of lattice points in the mesh's bounding box: see Placement in the protocol.
 enum class Placement {
@@ -225,98 +66,6 @@ enum class Placement {
 
 // "points" or "cells".
 constexpr const char* NameOf(Placement placement) { return placement == Placement::kPoints ? "points" : "cells"; }
-
-// The voxels of the mesh itself that belong to a solid.
-enum class SolidSurface {
-  kSeparating,  // those of Surface
-  kSupercover,  // those of Supercover
-  kNone,        // none: every voxel's center is inside
-};
-
-// The ends of links that belong to a set.
-enum class LinkSide {
-  kBoth,     // all ends
-  kInside,   // those inside of the mesh by parity; it must be closed
-  kOutside,  // those outside
-};
-
-// "both", "inside" or "outside".
-constexpr const char* NameOf(LinkSide side) {
-  constexpr const char* kNames[] = {"both", "inside", "outside"};
-  return kNames[static_cast<size_t>(side)];
-}
-
-// The voxels of the mesh that separate its sides. This type and the next six are sets: see VoxelizeSpec.set in the
-// protocol.
-struct Surface {
-  bool operator==(const Surface&) const = default;
-};
-
-// All voxels whose closed Voronoi cell meets the mesh (conservative): the same ones for every separability.
-struct Supercover {
-  bool operator==(const Supercover&) const = default;
-};
-
-// The points inside of the mesh. It must be closed: every edge belongs to an even number of triangles (kParity), or is
-// used equally often both ways (kWinding, kPositive).
-struct Solid {
-  InteriorRule rule = InteriorRule::kAuto;           // the rule for the inside
-  SolidSurface surface = SolidSurface::kSeparating;  // the voxels of the mesh itself that belong to it
-  bool force_open = false;  // fill a mesh that is not closed, along the balanced lattice lines in k
-  // A labeled solid: kPart or kMaterial, which must be among VoxelizeRequest.fields. Each number of it has its own
-  // inside. Points inside have the number with the highest priority among those that contain them.
-  std::optional<Field> labels = std::nullopt;
-  std::vector<uint32_t> priority = {};  // from the highest down; then all other numbers, larger ones first
-  bool operator==(const Solid&) const = default;
-};
-
-// The lattice points near the mesh: see Band in the protocol.
-struct Band {
-  double width = 0;        // finite, at least 1/8192 of a voxel size
-  bool in_voxels = false;  // width counts GridTransform.voxel_size; otherwise world units
-  bool operator==(const Band&) const = default;
-};
-
-// The ends of all links between k-neighbors that the mesh crosses: see Links in the protocol.
-struct Links {
-  LinkSide side = LinkSide::kBoth;  // the ends that belong to it
-  bool operator==(const Links&) const = default;
-};
-
-// The points that no walk from outside of the mesh reaches, by steps between k-neighbors that never enter a voxel of
-// the surface. The mesh need not be closed: see Enclosed in the protocol.
-struct Enclosed {
-  SolidSurface surface = SolidSurface::kSeparating;  // kNone leaves out the surface's voxels; not kSupercover
-  double close = 0;                                  // holes up to this width count as closed, world units
-  std::optional<Vec3d> leak_from = std::nullopt;     // world position whose way outside WalkFacts.leak reports
-  bool operator==(const Enclosed&) const = default;
-};
-
-// The points that such a walk reaches from the lattice point nearest to a world position.
-struct Connected {
-  Vec3d seed{};                // world position
-  double close = 0;            // as above
-  bool allow_outside = false;  // otherwise it is an error if the walk gets outside
-  bool operator==(const Connected&) const = default;
-};
-
-// One set of lattice points.
-using VoxelSet = std::variant<Surface, Supercover, Solid, Band, Links, Enclosed, Connected>;
-
-// "surface", "supercover", "solid", "supercover-solid", "interior", "band", "links", "enclosed",
-// "enclosed-interior" or "region": Certificate.set of its voxels.
-constexpr const char* NameOf(const VoxelSet& set) {
-  if (std::holds_alternative<Surface>(set)) return "surface";
-  if (std::holds_alternative<Supercover>(set)) return "supercover";
-  if (std::holds_alternative<Band>(set)) return "band";
-  if (std::holds_alternative<Links>(set)) return "links";
-  if (std::holds_alternative<Connected>(set)) return "region";
-  if (const auto* enclosed = std::get_if<Enclosed>(&set)) {
-    return enclosed->surface == SolidSurface::kNone ? "enclosed-interior" : "enclosed";
-  }
-  constexpr const char* kNames[] = {"solid", "supercover-solid", "interior"};
-  return kNames[static_cast<size_t>(std::get<Solid>(set).surface)];
-}
 
 // The layout of a mesh that is sent as plain arrays instead of a Draco stream: positions, triangles and fields, one
 // after the other. See RawMesh in the protocol; EncodeRawMesh makes one.

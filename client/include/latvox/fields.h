@@ -1,0 +1,123 @@
+// The values that voxels carry. Field in proto/latvox/v1/voxelizer.proto describes them.
+#ifndef LATVOX_LATVOX_FIELDS_H_
+#define LATVOX_LATVOX_FIELDS_H_
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace latvox::client {
+
+// The values that voxels can carry, of the nearest triangle or for each neighbor: see Field in the protocol.
+enum class Field {
+  kPart,      // the part of the mesh
+  kMaterial,  // the material
+  kColor,     // red, green, blue
+  kDistance,  // the distance to the mesh, world units
+  kTriangle,  // the number of the nearest triangle in the mesh as sent
+  kPoint,     // its nearest point, as weights of its second and third corner
+  kNormal,    // its unit normal in the world: x, y, z
+  // The next three have a number for each of Accepted::neighbors.
+  kLinks,          // the share of the link's length at which it first meets the mesh; NaN: it is not crossed
+  kLinkTriangles,  // the number of the triangle that it meets first; 4294967295: it is not crossed
+  kLinkCrossings,  // the number of triangles that cross the link
+  // Not of the nearest triangle, and one number: of n^3 points of the voxel's cell, those inside the mesh.
+  kFraction,
+};
+
+// The types of a field's components.
+enum class NumberType {
+  kUint8,    // unsigned, 8 bits
+  kUint16,   // unsigned, 16 bits, little-endian
+  kUint32,   // unsigned, 32 bits, little-endian
+  kFloat32,  // IEEE 754, 32 bits, little-endian
+};
+
+// A field's name, and the form of its values.
+struct FieldFacts {
+  Field field;        // the field of this row
+  const char* name;   // in the protocol, in files and on the command line
+  NumberType type;    // of each component
+  size_t components;  // of a voxel; 0: one for each of Accepted::neighbors
+  bool is_of_mesh;    // each vertex of the mesh has a number for it
+
+  // Returns whether a voxel has a number for each neighbor.
+  constexpr bool is_of_links() const { return components == 0; }
+};
+
+// The most neighbors of a lattice point, of all lattices.
+inline constexpr size_t kMostNeighbors = 26;
+
+// All fields, in the order of their values.
+inline constexpr std::array kFields{
+    FieldFacts{Field::kPart, "part", NumberType::kUint32, 1, true},
+    FieldFacts{Field::kMaterial, "material", NumberType::kUint32, 1, true},
+    FieldFacts{Field::kColor, "color", NumberType::kUint8, 3, true},
+    FieldFacts{Field::kDistance, "distance", NumberType::kFloat32, 1, false},
+    FieldFacts{Field::kTriangle, "triangle", NumberType::kUint32, 1, false},
+    FieldFacts{Field::kPoint, "point", NumberType::kFloat32, 2, false},
+    FieldFacts{Field::kNormal, "normal", NumberType::kFloat32, 3, false},
+    FieldFacts{Field::kLinks, "links", NumberType::kFloat32, 0, false},
+    FieldFacts{Field::kLinkTriangles, "link_triangles", NumberType::kUint32, 0, false},
+    FieldFacts{Field::kLinkCrossings, "link_crossings", NumberType::kUint32, 0, false},
+    FieldFacts{Field::kFraction, "fraction", NumberType::kUint16, 1, false},
+};
+
+// Returns the row of a field.
+constexpr const FieldFacts& FactsOf(Field field) { return kFields[static_cast<size_t>(field)]; }
+
+// Returns its name, for example "part" or "link_triangles".
+constexpr const char* NameOf(Field field) { return FactsOf(field).name; }
+
+// Returns whether the field is among these.
+inline bool CarriesField(std::span<const Field> fields, Field field) {
+  for (const Field one : fields) {
+    if (one == field) return true;
+  }
+  return false;
+}
+
+// Returns whether a field among these has a number for each neighbor.
+inline bool CarriesLinks(std::span<const Field> fields) {
+  for (const Field one : fields) {
+    if (FactsOf(one).is_of_links()) return true;
+  }
+  return false;
+}
+
+// The values of voxels for one field, without gaps: bytes_of_voxel for each voxel, brick after brick, and within a
+// brick in lexicographic order of ijk.
+struct FieldValues {
+  Field field = Field::kPart;         // the field that voxels carry
+  std::vector<std::byte> bytes = {};  // little-endian
+  size_t neighbors = 0;               // of a voxel, for a field with a number for each
+
+  // Returns the numbers of a voxel.
+  size_t components() const { return FactsOf(field).is_of_links() ? neighbors : FactsOf(field).components; }
+  // Returns the bytes of a voxel.
+  size_t bytes_of_voxel() const {
+    const NumberType type = FactsOf(field).type;
+    return components() * (type == NumberType::kUint8 ? 1 : type == NumberType::kUint16 ? 2 : 4);
+  }
+
+  // Returns all components. T is uint8_t, uint16_t, uint32_t or float, as FieldFacts::type says.
+  template <class T>
+  std::span<const T> As() const {
+    return {reinterpret_cast<const T*>(bytes.data()), bytes.size() / sizeof(T)};
+  }
+  bool operator==(const FieldValues&) const = default;
+};
+
+// Returns the values of a field, or null if there are none.
+inline const FieldValues* FindField(std::span<const FieldValues> fields, Field field) {
+  for (const FieldValues& values : fields) {
+    if (values.field == field) return &values;
+  }
+  return nullptr;
+}
+
+}  // namespace latvox::client
+
+#endif  // LATVOX_LATVOX_FIELDS_H_
