@@ -20,9 +20,9 @@ struct Interval {
 // An image and smaller images of it, which are made when they are first needed. Not thread-safe.
 //
 // A mean over a rectangle is exact where the rectangle covers at most kMostTexels pixels. Larger ones are taken from
-// the image at half, a quarter, ... of the resolution. Each pixel of a smaller image is the mean of the pixels below it.
-// So only pixels at the rim of the rectangle, less than 1/8 of its sides, are taken to be uniform. Pixels that go on
-// beyond a clamped edge are taken to be uniform, too. All of this is linear.
+// the image at half, a quarter, ... of the resolution. Each pixel of a smaller image is the mean of the pixels below
+// it. So only pixels at the rim of the rectangle, less than 1/8 of its sides, are taken to be uniform. Pixels that go
+// on beyond a clamped edge are taken to be uniform, too. All of this is linear.
 class Texture {
  public:
   static constexpr double kMostTexels = 256;
