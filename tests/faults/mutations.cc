@@ -54,23 +54,24 @@ void SetField(Message& message, const FieldDescriptor& field, Chance& chance) {
   const Reflection& reflection = *message.GetReflection();
   if (chance.OneIn(6)) return reflection.ClearField(&message, &field);
   const bool repeated = field.is_repeated();
+  const auto put = [&](auto set, auto add, const auto& value) {
+    (reflection.*(repeated ? add : set))(&message, &field, value);
+  };
   switch (field.cpp_type()) {
     case FieldDescriptor::CPPTYPE_DOUBLE:
-      return repeated ? reflection.AddDouble(&message, &field, AnyDouble(chance))
-                      : reflection.SetDouble(&message, &field, AnyDouble(chance));
+      return put(&Reflection::SetDouble, &Reflection::AddDouble, AnyDouble(chance));
     case FieldDescriptor::CPPTYPE_INT32:
-      return reflection.SetInt32(&message, &field, static_cast<int32_t>(AnyInteger(chance)));
+      return put(&Reflection::SetInt32, &Reflection::AddInt32, static_cast<int32_t>(AnyInteger(chance)));
     case FieldDescriptor::CPPTYPE_UINT32:
-      return reflection.SetUInt32(&message, &field, static_cast<uint32_t>(AnyInteger(chance)));
+      return put(&Reflection::SetUInt32, &Reflection::AddUInt32, static_cast<uint32_t>(AnyInteger(chance)));
     case FieldDescriptor::CPPTYPE_UINT64:
-      return reflection.SetUInt64(&message, &field, AnyInteger(chance));
+      return put(&Reflection::SetUInt64, &Reflection::AddUInt64, AnyInteger(chance));
     case FieldDescriptor::CPPTYPE_BOOL:
-      return reflection.SetBool(&message, &field, chance.OneIn(2));
+      return put(&Reflection::SetBool, &Reflection::AddBool, chance.OneIn(2));
     case FieldDescriptor::CPPTYPE_ENUM:
-      return repeated ? reflection.AddEnumValue(&message, &field, static_cast<int>(chance.Below(8)))
-                      : reflection.SetEnumValue(&message, &field, static_cast<int>(chance.Below(8)));
+      return put(&Reflection::SetEnumValue, &Reflection::AddEnumValue, static_cast<int>(chance.Below(16)));
     case FieldDescriptor::CPPTYPE_STRING:
-      return reflection.SetString(&message, &field, chance.Bytes(chance.Below(100)));
+      return put(&Reflection::SetString, &Reflection::AddString, chance.Bytes(chance.Below(100)));
     case FieldDescriptor::CPPTYPE_MESSAGE:
       static_cast<void>(repeated ? reflection.AddMessage(&message, &field)
                                  : reflection.MutableMessage(&message, &field));

@@ -130,7 +130,7 @@ absl::Status Jobs(const std::string& path, const std::string&) {
 // Never returns. Becomes the process that ReaderProcess would start.
 void ReadInCopy(const std::string& path, int file, int channel, pid_t parent) {
   const int from = fcntl(file, F_DUPFD, kReaderChannel + 1), to = fcntl(channel, F_DUPFD, kReaderChannel + 1);
-  if (dup2(from, kReaderFile) < 0 || dup2(to, kReaderChannel) < 0) _exit(kReaderFailed);
+  if (dup2(from, kReaderFile) < 0 || dup2(to, kReaderChannel) < 0) _exit(kReaderMisused);
   const ReaderLimits limits = ReaderLimitsFor(fs::file_size(path));
   std::string words[] = {"latvox",
                          kReaderArgument,
@@ -163,7 +163,7 @@ absl::Status Copy(const std::string& path, const std::string&) {
   close(ends[0]);
   int status = 0;
   if (child < 0 || waitpid(child, &status, 0) != child) return absl::InternalError("no copy");
-  if (WIFEXITED(status) && WEXITSTATUS(status) == kReaderFailed) return absl::InternalError("the copy is not confined");
+  if (WIFEXITED(status) && WEXITSTATUS(status) == kReaderMisused) return absl::InternalError("the copy did not start");
   if (WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL) return absl::InternalError("the copy was killed");
   return absl::IsDataLoss(content.status()) ? absl::InvalidArgumentError("damaged") : content.status();
 }
@@ -177,7 +177,7 @@ absl::Status Image(const std::string& path, const std::string&) { return Refused
 
 // Reads a mesh with its textures.
 absl::Status Textures(const std::string& path, const std::string&) {
-  auto read = ReadMeshSource({.paths = {path}, .base_colors = true});
+  auto read = ReadMeshSource({.paths = {path}, .format = {}, .base_colors = true});
   if (!read.ok()) return read.status();
   std::vector<Warning> warnings;
   const auto mesh = std::make_shared<Mesh>(std::get<Mesh>(*std::move(read)));

@@ -27,8 +27,9 @@ namespace {
 constexpr size_t kBufferBytes = size_t{1} << 16;
 constexpr int kArguments = 7;  // program, kReaderArgument, parent, memory, seconds, what, path
 
-// There is nobody left to tell.
-[[noreturn]] void GiveUp() { _exit(kReaderFailed); }
+// A pipe may get no page for a moment. Linux says EFAULT if that befalls the pages to send. The limit of processor time
+// ends the wait.
+bool MayPass(int error) { return error == EINTR || error == EAGAIN || error == ENOMEM || error == EFAULT; }
 
 // Collects small pieces, because each write is a system call.
 class Channel {
@@ -48,8 +49,8 @@ class Channel {
   static void Write(const char* at, size_t bytes) {
     while (bytes > 0) {
       const ssize_t sent = write(kReaderChannel, at, bytes);
-      if (sent < 0 && errno != EINTR && errno != ENOMEM) GiveUp();
-      if (sent < 0) {  // a pipe may get no page for a moment; the limit of processor time ends the wait
+      if (sent < 0 && !MayPass(errno)) _exit(kReaderCannotSend + errno);
+      if (sent < 0) {
         sched_yield();
         continue;
       }
@@ -82,7 +83,7 @@ void ReadForParent(char** argv) {
   ReaderLimits limits;
   if (!absl::SimpleAtoi(argv[2], &parent) || !absl::SimpleAtoi(argv[3], &limits.memory) ||
       !absl::SimpleAtoi(argv[4], &limits.seconds)) {
-    GiveUp();
+    _exit(kReaderMisused);
   }
   // TBB looks around in the system when it is first used, and would start threads.
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);

@@ -170,6 +170,10 @@ absl::Status ReaderProcess::BlameEnd(int code, int status) const {
     if (status == kReaderOutOfMemory) {
       return Damaged(absl::StrCat(", or needs more than ", limits_.memory, " bytes of memory to read"));
     }
+    if (status > kReaderCannotSend && strerrorname_np(status - kReaderCannotSend) != nullptr) {
+      return absl::ResourceExhaustedError(absl::StrCat(path_, ": the process that reads it cannot send its result (",
+                                                       std::strerror(status - kReaderCannotSend), ")"));
+    }
     // The system's loader, or a library before main(), got no memory or no thread.
     return absl::ResourceExhaustedError(absl::StrCat(path_, ": the process that reads it ended with status ", status,
                                                      "; the system has too little memory, or too few threads"));

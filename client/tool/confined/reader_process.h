@@ -21,8 +21,9 @@ inline constexpr int kReaderFile = 3, kReaderChannel = 4;
 
 // Its exit statuses.
 inline constexpr int kReaderDone = 0;          // a result or an error was sent
-inline constexpr int kReaderFailed = 1;        // it could not send a byte
+inline constexpr int kReaderMisused = 1;       // its arguments are none
 inline constexpr int kReaderOutOfMemory = 77;  // beyond ReaderLimits
+inline constexpr int kReaderCannotSend = 100;  // and errno, which is below 156 on Linux
 
 // What a file may cost. A whole file takes far less: OpenVDB unpacks up to 45 bytes from one, and reads some megabytes
 // a second on a slow disk of a busy machine.
