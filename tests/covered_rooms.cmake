@@ -1,5 +1,4 @@
 # Rooms without a test program of their own, and their tests: programs of higher rooms, or whole programs.
-latvox_test_room(core/brick core_parts_test core_voxelizer_test)
 latvox_test_room(core/mesh core_water_test core_voxelizer_test)
 latvox_test_room(core/thin core_fine_test core_voxelizer_test)
 latvox_test_room(core/tile core_kernel_test core_tiny_test)

@@ -77,16 +77,21 @@ inline uint64_t CountVoxels(const BrickMask& mask) {
   return count;
 }
 
-// Clears the voxels of a brick that lie outside of the box.
+// Clears the voxels of a brick that lie outside of the box. By masks, because flat ground has most of its bricks on the
+// border of its box.
 inline void ClipBrick(const IndexBox& box, Brick& brick) {
-  const Vec3i low = brick.brick_ijk * kBrickSide, high = low + Vec3i{kBrickSide, kBrickSide, kBrickSide};
-  bool inside = true;
-  for (size_t m = 0; m < 3; ++m) inside &= box.min[m] <= low[m] && high[m] <= box.max[m];
-  if (inside) return;
-  for (int32_t n = 0; n < 512; ++n) {
-    const Vec3i ijk = low + Vec3i{n >> 6, n >> 3 & 7, n & 7};
-    if (!box.Contains(ijk)) brick.mask[static_cast<size_t>(n >> 6)] &= ~(uint64_t{1} << (n & 63));
+  int begin[3], end[3], inside = 1;
+  for (size_t m = 0; m < 3; ++m) {
+    const int64_t low = int64_t{brick.brick_ijk[m]} * kBrickSide;
+    begin[m] = static_cast<int>(std::clamp<int64_t>(box.min[m] - low, 0, kBrickSide));
+    end[m] = static_cast<int>(std::clamp<int64_t>(box.max[m] - low, begin[m], kBrickSide));
+    inside &= end[m] - begin[m] == kBrickSide;
   }
+  if (inside) return;
+  const auto below = [](int n) { return n == 64 ? ~uint64_t{0} : (uint64_t{1} << n) - 1; };
+  const uint64_t row = (below(end[2]) & ~below(begin[2])) * 0x0101010101010101;
+  const uint64_t plane = row & below(end[1] * kBrickSide) & ~below(begin[1] * kBrickSide);
+  for (int i = 0; i < kBrickSide; ++i) brick.mask[static_cast<size_t>(i)] &= begin[0] <= i && i < end[0] ? plane : 0;
 }
 
 }  // namespace latvox
