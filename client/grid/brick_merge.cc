@@ -1,6 +1,6 @@
 #include "client/grid/brick_merge.h"
 
-#include "absl/strings/str_cat.h"
+#include "client/grid/part_metadata.h"
 
 namespace latvox::client {
 namespace {
@@ -43,10 +43,7 @@ const Leaf* BrickMerge::Next() {
   while (!heads_.empty() && heads_.top().place == first.place) {
     const Head next = heads_.top();
     if (disjoint_) {
-      const Vec3i ijk = ToBrick(leaf_).brick_ijk;
-      status_.Update(absl::InvalidArgumentError(
-          absl::StrCat(parts_[next.part]->path(), ": holds brick ", ijk[0], ",", ijk[1], ",", ijk[2], ", and so does ",
-                       parts_[first.part]->path(), ": these are no shards of one whole")));
+      status_.Update(SharedBrick(parts_[next.part]->path(), parts_[first.part]->path(), ToBrick(leaf_).brick_ijk));
     }
     AddMask(ToBrick(*leaves_[next.part]).mask, leaf_);
     heads_.pop();

@@ -8,7 +8,8 @@
 #include <new>
 
 #include "absl/strings/str_cat.h"
-#include "client/grid/fill_grid.h"
+#include "client/grid/band_grid.h"
+#include "client/grid/field_forms.h"
 #include "client/grid/grid_file.h"
 #include "client/grid/grid_metadata.h"
 #include "client/grid/openvdb_trees.h"
@@ -27,19 +28,25 @@ bool SeparatesSides(const Basis& basis, double width) {
 
 }  // namespace
 
+openvdb::FloatGrid::Ptr NewBandGrid(const Basis& basis, double width, bool is_signed, bool whole) {
+  openvdb::initialize();
+  const auto grid = openvdb::FloatGrid::create(static_cast<float>(width));
+  grid->setName(NameOf(Field::kDistance));
+  if (is_signed && whole && SeparatesSides(basis, width)) grid->setGridClass(openvdb::GRID_LEVEL_SET);
+  return grid;
+}
+
+void FillInside(openvdb::FloatGrid& grid) {
+  if (grid.getGridClass() == openvdb::GRID_LEVEL_SET) openvdb::tools::signedFloodFill(grid.tree());
+}
+
 struct DistanceGrid::Content {
   openvdb::FloatGrid::Ptr grid;
-  bool is_level_set;
 };
 
 DistanceGrid::DistanceGrid(const GridTransform& transform, double width, bool is_signed, bool whole)
-    : content_(std::make_unique<Content>()) {
-  openvdb::initialize();
-  content_->grid = openvdb::FloatGrid::create(static_cast<float>(width));
-  content_->grid->setName("distance");
+    : content_(std::make_unique<Content>(Content{NewBandGrid(transform.basis, width, is_signed, whole)})) {
   Place(transform, *content_->grid);
-  content_->is_level_set = is_signed && whole && SeparatesSides(transform.basis, width);
-  if (content_->is_level_set) content_->grid->setGridClass(openvdb::GRID_LEVEL_SET);
 }
 
 DistanceGrid::DistanceGrid(DistanceGrid&&) noexcept = default;
@@ -47,9 +54,7 @@ DistanceGrid& DistanceGrid::operator=(DistanceGrid&&) noexcept = default;
 DistanceGrid::~DistanceGrid() = default;
 
 absl::Status DistanceGrid::Add(const BrickBatch& batch) try {
-  const auto distances = FindField(batch.fields, Field::kDistance)->As<float>();
-  FillGrid(
-      batch.bricks, distances.data(), 1, [](const float* distance) { return *distance; }, *content_->grid);
+  FillFieldGrid(batch.bricks, *FindField(batch.fields, Field::kDistance), *content_->grid);
   return absl::OkStatus();
 } catch (const std::bad_alloc&) {
   return absl::ResourceExhaustedError("not enough memory for the OpenVDB grid");
@@ -64,7 +69,7 @@ void DistanceGrid::SetCertificate(const Certificate& certificate) { Describe(cer
 void DistanceGrid::SetWarnings(const std::vector<Warning>& warnings) { DescribeWarnings(warnings, *content_->grid); }
 
 absl::Status DistanceGrid::Write(const std::string& path) try {
-  if (content_->is_level_set) openvdb::tools::signedFloodFill(content_->grid->tree());
+  FillInside(*content_->grid);
   return WriteGridFile({content_->grid}, path);
 } catch (const std::bad_alloc&) {
   return absl::ResourceExhaustedError(absl::StrCat(path, ": not enough memory to fill the inside"));

@@ -118,7 +118,7 @@ class FrameReader {
   }
 
   FrameGrid ReadGrid() {
-    FrameGrid grid;
+    FrameGrid grid{};
     grid.name = GetText();
     grid.type = GetText();
     GetText();  // the grid that has its tree
@@ -129,6 +129,7 @@ class FrameReader {
     Seek(static_cast<uint64_t>(begin));
     Get<uint32_t>();  // compression
     grid.metadata = ReadMetadata();
+    grid.transform_at = at_;
     grid.transform = GetText();
     // Else many grids could have the same metadata, and take memory for each.
     if (at_ > static_cast<uint64_t>(blocks)) Fail("the metadata of its grid reach into the tree");

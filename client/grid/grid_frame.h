@@ -29,6 +29,7 @@ struct FrameMetadata {
 struct FrameGrid {
   std::string name, type;  // the name as OpenVDB writes it: with a suffix where two grids have the same
   std::string transform;   // its type
+  uint64_t transform_at;   // place of the transform in the file
   std::vector<FrameMetadata> metadata;
 };
 struct GridFrame {

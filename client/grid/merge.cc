@@ -5,6 +5,7 @@
 
 #include "client/grid/brick_merge.h"
 #include "client/grid/grid_file.h"
+#include "client/grid/merge_fields.h"
 #include "client/grid/part_file.h"
 #include "client/grid/part_metadata.h"
 #include "client/grid/streamed_tree.h"
@@ -34,16 +35,24 @@ openvdb::GridBase::Ptr MakeGrid(const PartFile& part, const openvdb::MetaMap& me
   return grid;
 }
 
+absl::StatusOr<GridContent> ReadWhole(const std::string& path) { return ReadGridContent(path); }
+
 }  // namespace
 
 absl::StatusOr<MergedGrid> MergeParts(const std::vector<std::string>& paths, const std::string& path,
                                       const Cancellation& cancellation,
-                                      const std::function<void(double, uint64_t)>& progress) {
+                                      const std::function<void(double, uint64_t)>& progress, const ReadPart& read) {
   if (cancellation.cancelled()) return absl::CancelledError("cancelled");
   auto parts = OpenParts(paths);
   if (!parts.ok()) return parts.status();
   const auto common = JoinMetadata(*parts);
   if (!common.ok()) return common.status();
+  if (parts->front()->has_fields()) {
+    const auto show = [&](size_t parts_read) {
+      if (progress) progress(static_cast<double>(parts_read) / static_cast<double>(parts->size() + 1), 0);
+    };
+    return MergeFields(*parts, *common, read ? read : &ReadWhole, path, cancellation, show);
+  }
   uint64_t leaves = 0;
   for (const auto& part : *parts) leaves += part->leaves();
   const PartFile& first = *parts->front();

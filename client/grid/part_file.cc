@@ -3,12 +3,12 @@
 #include <openvdb/io/Archive.h>
 #include <openvdb/io/GridDescriptor.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <exception>
 #include <filesystem>
 #include <new>
+#include <sstream>
 #include <stdexcept>
 #include <utility>
 
@@ -23,32 +23,39 @@ namespace {
 
 constexpr int64_t kLeafBytes = 140;
 
-// Refuses what OpenVDB's own reader of metadata does not check.
-void CheckFrame(std::istream& in, uint64_t size) {
-  const GridFrame frame = ReadGridFrame(in, size);
-  if (frame.grids.size() != 1) {
-    throw std::runtime_error(absl::StrCat("it holds ", frame.grids.size(), " grids, not 1: fields are not joined"));
-  }
+bool IsBand(const FrameGrid& grid) {
+  return grid.type == openvdb::FloatGrid::gridType() && grid.name == NameOf(Field::kDistance);
+}
+
+// Refuses what OpenVDB's own reader does not check. Returns the first grid.
+const FrameGrid& CheckFrame(const GridFrame& frame) {
+  if (frame.grids.empty()) throw std::runtime_error("it holds no grid");
   const FrameGrid& grid = frame.grids.front();
-  if (grid.type != openvdb::BoolGrid::gridType()) {
-    throw std::runtime_error(absl::StrCat("its grid is a ", Printable(grid.type)));
+  if (grid.type != openvdb::BoolGrid::gridType() && !IsBand(grid)) {
+    throw std::runtime_error(absl::StrCat("its first grid is a ", Printable(grid.type)));
   }
   if (grid.transform == openvdb::math::NonlinearFrustumMap::mapType()) {
     throw std::runtime_error("its transform is not affine");
   }
-  const auto is_complex = [](const FrameMetadata& metadata) { return metadata.type == kDelayedLoadType; };
-  if (std::any_of(grid.metadata.begin(), grid.metadata.end(), is_complex)) {
-    throw std::runtime_error(absl::StrCat("it has metadata of type ", kDelayedLoadType));
-  }
+  return grid;
 }
 
-// The places of the grid's sections, which io::File reads when it opens a file, and does not show. Precondition:
-// CheckFrame.
+// Reads the value from bytes in memory, where no length can lead OpenVDB beyond them.
+openvdb::Metadata::Ptr ToMetadata(const FrameMetadata& metadata) {
+  const auto size = static_cast<openvdb::Index32>(metadata.value.size());
+  std::istringstream bytes(std::string(reinterpret_cast<const char*>(&size), sizeof(size)) + metadata.value);
+  const openvdb::Metadata::Ptr value = openvdb::Metadata::createMetadata(metadata.type);
+  value->read(bytes);
+  return value;
+}
+
+// The places of the grid's sections, which io::File reads when it opens a file, and does not show.
 struct Frame : openvdb::io::Archive {
   openvdb::io::GridDescriptor descriptor;
   openvdb::GridBase::Ptr grid;
 
-  void Read(std::istream& in) {
+  // Precondition: `first` is the result of CheckFrame.
+  void Read(std::istream& in, const FrameGrid& first) {
     in.seekg(0);
     readHeader(in);
     setFormatVersion(in);
@@ -56,9 +63,11 @@ struct Frame : openvdb::io::Archive {
     openvdb::MetaMap().readMeta(in);
     readGridCount(in);
     grid = descriptor.read(in);
-    descriptor.seekToGrid(in);
-    readGridCompression(in);
-    grid->readMeta(in);
+    grid->clearMetadata();
+    for (const FrameMetadata& each : first.metadata) {
+      if (each.type != kDelayedLoadType) grid->insertMeta(each.name, *ToMetadata(each));
+    }
+    in.seekg(static_cast<std::streamoff>(first.transform_at));
     grid->readTransform(in);
   }
 };
@@ -88,12 +97,15 @@ absl::Status PartFile::OpenStream() {
 
 void PartFile::ReadFrame() {
   file_.exceptions(std::ios::failbit | std::ios::badbit | std::ios::eofbit);
-  CheckFrame(file_, std::filesystem::file_size(path_));
+  const GridFrame all = ReadGridFrame(file_, std::filesystem::file_size(path_));
+  const FrameGrid& first = CheckFrame(all);
+  has_fields_ = IsBand(first) || all.grids.size() > 1;
   Frame frame;
-  frame.Read(file_);
+  frame.Read(file_, first);
   grid_ = frame.grid;
   if (!IsAffine(grid_->transform())) throw std::runtime_error("its transform is not affine and finite");
   recorded_ = DigestIn(*grid_);
+  if (has_fields_) return;
   leaves_begin_ = frame.descriptor.getBlockPos();
   const int64_t bytes = frame.descriptor.getEndPos() - leaves_begin_;
   if (bytes % kLeafBytes != 0) {
@@ -118,8 +130,7 @@ absl::StatusOr<std::unique_ptr<PartFile>> PartFile::Open(const std::string& path
   } catch (const std::exception& error) {
     why = error.what();
   }
-  return absl::InvalidArgumentError(
-      absl::StrCat(path, ": is not a whole .vdb file of voxels alone that latvox wrote (", why, ")"));
+  return absl::InvalidArgumentError(absl::StrCat(path, ": is not a whole .vdb file that latvox wrote (", why, ")"));
 }
 
 void PartFile::Rewind() {

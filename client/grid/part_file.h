@@ -33,6 +33,7 @@ class PartFile {
   const openvdb::MetaMap& metadata() const { return *grid_; }
   openvdb::math::Transform::Ptr transform() const { return grid_->transformPtr(); }
   const std::string& digest() const { return recorded_; }  // from the metadata: latvox_digest
+  bool has_fields() const { return has_fields_; }          // or is a band; then it has no leaves here
   uint64_t leaves() const { return leaves_; }
 
   // Goes back to the place before the first leaf.
@@ -56,6 +57,7 @@ class PartFile {
   std::ifstream file_;
   openvdb::GridBase::Ptr grid_;
   std::string recorded_;
+  bool has_fields_ = false;
   int64_t leaves_begin_ = 0;
   uint64_t leaves_ = 0, read_ = 0;
   Leaf leaf_;

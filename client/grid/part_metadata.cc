@@ -33,7 +33,7 @@ constexpr size_t kMissingNamed = 8;
 using Parts = std::vector<std::unique_ptr<PartFile>>;
 
 bool IsOwn(absl::string_view name) {
-  return name == "latvox_digest" || name == kShard || name == kVerified || name == kTrueIfAll[0] ||
+  return absl::EndsWith(name, "_digest") || name == kShard || name == kVerified || name == kTrueIfAll[0] ||
          name == kTrueIfAll[1] || name == kRequest || name == kWarningsName || absl::c_linear_search(kCutOut, name) ||
          absl::StartsWith(name, "file_");
 }
@@ -177,6 +177,11 @@ bool IsTrue(const PartFile& part, const char* name) {
 }
 
 }  // namespace
+
+absl::Status SharedBrick(const std::string& path, const std::string& other, const Vec3i& brick_ijk) {
+  return absl::InvalidArgumentError(absl::StrCat(path, ": holds brick ", absl::StrJoin(brick_ijk, ","),
+                                                 ", and so does ", other, ": these are no shards of one whole"));
+}
 
 absl::StatusOr<CommonFacts> JoinMetadata(const Parts& parts) {
   const PartFile& first = *parts.front();

@@ -3,8 +3,10 @@
 #define LATVOX_CLIENT_GRID_PART_METADATA_H_
 
 #include <memory>
+#include <string>
 #include <vector>
 
+#include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "client/grid/openvdb_trees.h"
 #include "client/grid/part_file.h"
@@ -19,7 +21,7 @@ struct CommonFacts {
 
 // Parts belong to one whole if their transforms and all their metadata are the same, except for
 //
-//   latvox_digest                             each part has its own
+//   latvox_digest, latvox_part_digest, ...    each part has its own
 //   latvox_shard                              "I/N": all N must be there, once
 //   latvox_tunnel_free, latvox_minimal        true for the whole if true for each part
 //   latvox_region, latvox_bounds              those of all parts, "; " between them, unless one part has none;
@@ -31,6 +33,9 @@ struct CommonFacts {
 //
 // Errors: INVALID_ARGUMENT naming file, field and both values; a part that is given twice; shards that are missing.
 absl::StatusOr<CommonFacts> JoinMetadata(const std::vector<std::unique_ptr<PartFile>>& parts);
+
+// Returns INVALID_ARGUMENT: two shards hold the same brick.
+absl::Status SharedBrick(const std::string& path, const std::string& other, const Vec3i& brick_ijk);
 
 }  // namespace latvox::client
 

@@ -206,7 +206,7 @@ class Failures(MergeCase):
         short = self.dir / "short.vdb"
         short.write_bytes(a.read_bytes()[:-1])
         self.bad(short, b, code=BAD_INPUT, says="short.vdb: is not a whole .vdb file .*cut short: [0-9]+ bytes of [0-9]+")
-        self.bad(a, BUNNY, code=BAD_INPUT, says="bunny.obj: is not a whole .vdb file of voxels alone that latvox wrote")
+        self.bad(a, BUNNY, code=BAD_INPUT, says="bunny.obj: is not a whole .vdb file that latvox wrote")
         self.bad(a, self.dir / "none.vdb", code=BAD_INPUT, says="none.vdb: no such file")
         self.bad(a, a, code=BAD_INPUT, says="part0.vdb: is given twice")
         grid = pyopenvdb.BoolGrid()

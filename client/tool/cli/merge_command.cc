@@ -7,6 +7,7 @@
 #include "client/tool/cli/common_options.h"
 #include "client/tool/cli/progress_bar.h"
 #include "client/tool/cli/report.h"
+#include "client/tool/confined/foreign_grid.h"
 #include "client/tool/output/atomic_file.h"
 #include "latvox/grid/merge.h"
 
@@ -45,8 +46,10 @@ absl::StatusOr<std::string> RunMerge(const MergeWords& words, const Cancellation
   if (!file.ok()) return file.status();
   ProgressBar bar;
   bar.Stage("merging");
-  const auto merged = MergeParts(words.parts, (*file)->temporary(), cancellation,
-                                 [&bar](double share, uint64_t bricks) { bar.Show(share, "bricks", bricks); });
+  const auto merged = MergeParts(
+      words.parts, (*file)->temporary(), cancellation,
+      [&bar](double share, uint64_t bricks) { bar.Show(share, "bricks", bricks); },
+      [&cancellation](const std::string& path) { return ReadForeignContent(path, /*values=*/true, cancellation); });
   if (!merged.ok()) return (*file)->Named(merged.status());
   if (auto status = (*file)->Sync(); !status.ok()) return status;
   if (cancellation.cancelled()) return absl::CancelledError("cancelled");

@@ -10,6 +10,7 @@
 #include "absl/status/statusor.h"
 #include "latvox/cancellation.h"
 #include "latvox/export.h"
+#include "latvox/grid/grid_content.h"
 
 namespace latvox::client {
 
@@ -21,30 +22,36 @@ struct MergedGrid {
   std::string digest;          // of the whole
 };
 
+// Reads a part with fields. ReadGridContent is one such function.
+using ReadPart = std::function<absl::StatusOr<GridContent>(const std::string& path)>;
+
 // Writes the .vdb file of the whole to `path`, replacing an existing file; not atomic. The parts are files that `latvox
 // voxelize` wrote for one mesh and request with --region, --bounds or --shard. The whole is the union of their voxels,
-// with the metadata that they share. The digest is computed anew; it is the sum of the parts' digests where no brick is
-// in two parts.
+// with the metadata that they share. The digests are computed anew; they are the sums of the parts' digests where no
+// brick is in two parts. Fields are joined, too: where parts share a voxel, they must agree on its values. A signed
+// band is a level set again if its parts are all shards.
 //
-// Memory: 64 KiB for each part, 1 MiB for the whole, and 4 KiB for each block of 4096^3 voxels that the whole meets
-// (147 MB at most). It does not depend on the number of bricks. The parts are read three times, and kept open: one file
-// each.
+// Memory for sets without fields: 64 KiB for each part, 1 MiB for the whole, and 4 KiB for each block of 4096^3 voxels
+// that the whole meets (147 MB at most). It does not depend on the number of bricks. The parts are read three times.
+// Parts with fields are in memory all together, with their bytes and 108 bytes for each brick; then come the grids of
+// the whole: see FieldGrids, DistanceGrid. All parts are kept open: one file each.
 //
 // `progress`, if any, gets the share of the work done, 0 to 1, and the number of bricks written so far, from time to
-// time.
+// time. `read` reads parts with fields; it is ReadGridContent if it is empty.
 //
-// Damaged parts are errors: all lengths are checked.
+// Damaged parts are errors: all lengths are checked, except by ReadGridContent, and all digests.
 //
 // Errors:
 //   NOT_FOUND            there is no such file; the message names it
 //   INVALID_ARGUMENT     with the file: it is not a whole file of latvox, or is given twice, or does not belong to one
 //                        whole with the others (with field and values); shards are missing
-//   RESOURCE_EXHAUSTED   too many open files
+//   RESOURCE_EXHAUSTED   too many open files; memory
 //   UNKNOWN              `path` cannot be written
 //   CANCELLED            by `cancellation`
 LATVOX_EXPORT absl::StatusOr<MergedGrid> MergeParts(const std::vector<std::string>& parts, const std::string& path,
                                                     const Cancellation& cancellation,
-                                                    const std::function<void(double, uint64_t)>& progress);
+                                                    const std::function<void(double, uint64_t)>& progress,
+                                                    const ReadPart& read = {});
 
 }  // namespace latvox::client
 
