@@ -17,6 +17,7 @@ constexpr Choice kChoices[] = {{ColorBy::kColor, "the mesh's colors"},
                                {ColorBy::kTriangle, "a color for each triangle, twelve in all"},
                                {ColorBy::kPoint, "red, green and blue at the triangle's corners"},
                                {ColorBy::kNormal, "x, y and z as red, green and blue"},
+                               {ColorBy::kFraction, "violet where nothing is inside, yellow where all is"},
                                {ColorBy::kNone, "one color"}};
 
 Names<ColorBy> AllNames() {

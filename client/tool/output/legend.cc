@@ -28,6 +28,16 @@ Legend LegendOfDistances(const DistanceRange& range) {
   return legend;
 }
 
+Legend LegendOfFractions(uint32_t points_of_cell) {
+  Legend legend{.is_ramp = true};
+  for (uint32_t n = 0; n <= kRampSteps; ++n) {
+    const bool named = n % (kRampSteps / 2) == 0;
+    legend.entries.push_back(
+        {FractionColor(n, kRampSteps), named ? absl::StrFormat("%.4g", double{n} * points_of_cell / kRampSteps) : ""});
+  }
+  return legend;
+}
+
 Legend LegendOfNormals() {
   return {.entries = {{NormalColor({1, 0, 0}), "x"},
                       {NormalColor({0, 1, 0}), "y"},
@@ -53,6 +63,7 @@ std::string NameOfNumber(ColorBy by, uint32_t number, const std::string& name) {
 
 Legend LegendOf(const GridContent& content, ColorBy by, size_t most) {
   if (by == ColorBy::kDistance && content.distances) return LegendOfDistances(*content.distances);
+  if (by == ColorBy::kFraction) return LegendOfFractions(TraitsOf(content).points_of_cell);
   if (by == ColorBy::kNormal) return LegendOfNormals();
   if (by == ColorBy::kPoint) return LegendOfPoints();
   Legend legend;

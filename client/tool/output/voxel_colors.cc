@@ -5,6 +5,7 @@
 #include <iterator>
 #include <span>
 
+#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/string_view.h"
 #include "client/tool/output/field_columns.h"
@@ -21,6 +22,9 @@ constexpr uint32_t kRdBu[] = {0x053061, 0x2166AC, 0x4393C3, 0x92C5DE, 0xD1E5F0, 
                               0xFDDBC7, 0xF4A582, 0xD6604D, 0xB2182B, 0x67001F};
 constexpr uint32_t kViridis[] = {0x440154, 0x472D7B, 0x3B528B, 0x2C728E, 0x21918C,
                                  0x28AE80, 0x5EC962, 0xADDC30, 0xFDE725};
+
+constexpr char kFractionName[] = "latvox_fraction_n";  // of the number of points along each axis of a cell
+constexpr uint32_t kLeastPoints = 2, kMostPoints = 16;
 
 // Interpolates the colors of the map; `at` is from 0 to 1.
 uint32_t Between(std::span<const uint32_t> map, double at) {
@@ -57,11 +61,22 @@ uint32_t ColorAt(const FieldValues& values, size_t n, ColorBy by, const VoxelTra
       const float* const normal = &values.As<float>()[3 * n];
       return NormalColor({normal[0], normal[1], normal[2]});
     }
+    case ColorBy::kFraction:
+      return FractionColor(NumberAt(values, n), traits.points_of_cell);
     case ColorBy::kColor:
       return NumberAt(values, n);
     default:
       return PaletteColor(NumberAt(values, n));
   }
+}
+
+// Returns 0 where the metadata say no number that latvox writes.
+uint32_t PointsOfCell(const GridFileInfo& info) {
+  for (const auto& [name, text] : info.metadata) {
+    uint32_t n = 0;
+    if (name == kFractionName && absl::SimpleAtoi(text, &n) && n >= kLeastPoints && n <= kMostPoints) return n * n * n;
+  }
+  return 0;
 }
 
 std::optional<Field> FieldOf(ColorBy by) {
@@ -74,12 +89,13 @@ std::optional<Field> FieldOf(ColorBy by) {
 }  // namespace
 
 const char* NameOf(ColorBy by) {
-  constexpr const char* kNames[] = {"none", "part", "material", "color", "distance", "triangle", "point", "normal"};
+  constexpr const char* kNames[] = {"none",     "part",  "material", "color",   "distance",
+                                    "triangle", "point", "normal",   "fraction"};
   return kNames[static_cast<size_t>(by)];
 }
 
 VoxelTraits TraitsOf(const GridContent& content) {
-  VoxelTraits traits{{}, content.distances};
+  VoxelTraits traits{{}, content.distances, PointsOfCell(content.file.info)};
   for (const FieldValues& values : content.fields) traits.fields.push_back(values.field);
   return traits;
 }
@@ -98,6 +114,10 @@ uint32_t DistanceColor(float distance, const DistanceRange& range) {
   return range.is_signed ? Between(kRdBu, (1 + share) / 2) : Between(kViridis, share);
 }
 
+uint32_t FractionColor(uint32_t fraction, uint32_t points_of_cell) {
+  return Between(kViridis, double{fraction} / points_of_cell);
+}
+
 uint32_t NormalColor(const std::array<float, 3>& normal) {
   return ColorOf({(normal[0] + 1) / 2, (normal[1] + 1) / 2, (normal[2] + 1) / 2});
 }
@@ -108,7 +128,9 @@ absl::StatusOr<std::vector<uint32_t>> ColorsOf(const BrickBatch& batch, const Vo
   std::vector<uint32_t> colors;
   if (by == ColorBy::kNone) return colors;
   const FieldValues* const values = FindField(batch.fields, *FieldOf(by));
-  if (values == nullptr || (by == ColorBy::kDistance && !traits.distances)) {
+  const bool lacks_range =
+      (by == ColorBy::kDistance && !traits.distances) || (by == ColorBy::kFraction && traits.points_of_cell == 0);
+  if (values == nullptr || lacks_range) {
     return absl::InvalidArgumentError(absl::StrCat("the voxels have no ", NameOf(by)));
   }
   const size_t voxels = values->bytes.size() / values->bytes_of_voxel();

@@ -15,7 +15,7 @@
 namespace latvox::client {
 
 // A color is a number: red << 16 | green << 8 | blue, sRGB.
-enum class ColorBy { kNone, kPart, kMaterial, kColor, kDistance, kTriangle, kPoint, kNormal };
+enum class ColorBy { kNone, kPart, kMaterial, kColor, kDistance, kTriangle, kPoint, kNormal, kFraction };
 
 // Returns "none", or the name of the field.
 const char* NameOf(ColorBy by);
@@ -24,6 +24,7 @@ const char* NameOf(ColorBy by);
 struct VoxelTraits {
   std::vector<Field> fields = {};
   std::optional<DistanceRange> distances = std::nullopt;  // absent: distances give no colors
+  uint32_t points_of_cell = 0;                            // the greatest fraction; 0: fractions give no colors
 };
 
 // Returns those of a file.
@@ -40,6 +41,9 @@ uint32_t PaletteColor(uint32_t number);
 // An unsigned one goes from dark violet at the surface to yellow: viridis. Both are safe for color-blind people and end
 // at the ends of the range.
 uint32_t DistanceColor(float distance, const DistanceRange& range);
+
+// Returns the color of a fraction: viridis from 0 to the number of points of a cell.
+uint32_t FractionColor(uint32_t fraction, uint32_t points_of_cell);
 
 // Returns the color of a normal: each component from -1 to 1 becomes red, green or blue from 0 to 255.
 uint32_t NormalColor(const std::array<float, 3>& normal);

@@ -143,7 +143,7 @@ std::string Bytes(const std::vector<Brick>& bricks) {
 
 const char* KindOf(const Paint& paint) {
   if (paint.values.empty()) return "rgb";
-  return paint.is_ramp ? "float32" : "uint32";
+  return paint.has_floats ? "float32" : "uint32";
 }
 
 Json Describe(const std::vector<Paint>& paints) {

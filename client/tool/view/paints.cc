@@ -14,7 +14,8 @@ constexpr size_t kMostEntries = 24;  // in a legend
 
 // Returns nothing for a field that gives no colors.
 std::optional<ColorBy> ByOf(Field field) {
-  for (const ColorBy by : {ColorBy::kPart, ColorBy::kMaterial, ColorBy::kColor, ColorBy::kDistance}) {
+  for (const ColorBy by :
+       {ColorBy::kPart, ColorBy::kMaterial, ColorBy::kColor, ColorBy::kDistance, ColorBy::kFraction}) {
     if (absl::string_view(NameOf(by)) == NameOf(field)) return by;
   }
   return std::nullopt;
@@ -37,6 +38,17 @@ absl::StatusOr<Paint> PaintOf(const GridContent& content, ColorBy by) {
   return paint;
 }
 
+std::string FourBytesEach(const FieldValues& values) {
+  if (FactsOf(values.field).type != NumberType::kUint16) {
+    return {reinterpret_cast<const char*>(values.bytes.data()), values.bytes.size()};
+  }
+  std::string bytes;
+  for (const uint16_t number : values.As<uint16_t>()) {
+    bytes += {static_cast<char>(number & 255), static_cast<char>(number >> 8), 0, 0};
+  }
+  return bytes;
+}
+
 }  // namespace
 
 absl::StatusOr<std::vector<Paint>> PaintsOf(const GridContent& content) {
@@ -52,7 +64,8 @@ absl::StatusOr<std::vector<Paint>> PaintsOf(const GridContent& content) {
     if (!by) continue;
     auto paint = PaintOf(content, *by);
     if (paint.ok() && by != ColorBy::kColor) {
-      paint->values.assign(reinterpret_cast<const char*>(values.bytes.data()), values.bytes.size());
+      paint->values = FourBytesEach(values);
+      paint->has_floats = FactsOf(values.field).type == NumberType::kFloat32;
     }
     if (auto status = add(std::move(paint), by == first); !status.ok()) return status;
   }

@@ -13,9 +13,10 @@ namespace latvox::client {
 
 // Values are uint32 or, for "distance", float32, little-endian.
 struct Paint {
-  std::string name;                                         // "part", "material", "color" or "distance"
+  std::string name;                                         // of the field
   std::string bytes;                                        // red, green, blue of each voxel, in order
   std::string values;                                       // of each voxel, 4 bytes; none for "color"
+  bool has_floats = false;                                  // the values are floats, otherwise integers
   bool is_ramp = false;                                     // whether the legend is a continuous ramp
   std::vector<std::pair<std::string, std::string>> legend;  // "#rrggbb" and its meaning, or ""
 };

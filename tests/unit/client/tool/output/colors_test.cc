@@ -62,6 +62,21 @@ TEST_F(Content, FieldsOfTheNearestTriangleGiveColors) {
   EXPECT_THAT(*ColorsOf(batch, traits, ColorBy::kNormal), ElementsAre(0xFF8080, 0x008080, 0x80FF80, 0x808000));
 }
 
+TEST_F(Content, FractionsGiveColorsByThePointsOfACell) {
+  const std::vector<FieldValues> fields{ValuesOf<uint16_t>(Field::kFraction, {0, 8, 4, 27})};
+  const BrickBatch batch{kBricks, 1, fields};
+  EXPECT_THAT(*ColorsOf(batch, {{Field::kFraction}, {}, 8}, ColorBy::kFraction),
+              ElementsAre(0x440154, 0xFDE725, 0x21918C, 0xFDE725));
+  EXPECT_FALSE(ColorsOf(batch, {{Field::kFraction}}, ColorBy::kFraction).ok());
+  GridContent content;
+  for (const char* n : {"", "1", "17", "x"}) {
+    content.file.info.metadata = {{"latvox_fraction_n", n}};
+    EXPECT_EQ(TraitsOf(content).points_of_cell, 0U) << n;
+  }
+  content.file.info.metadata = {{"latvox_fraction_n", "16"}};
+  EXPECT_EQ(TraitsOf(content).points_of_cell, 4096U);
+}
+
 TEST_F(Content, ASkinKeepsTheColorsOfItsVoxels) {
   const std::vector<FieldValues> fields{ValuesOf<float>(Field::kDistance, {0.25F, -0.125F, 0.75F, 0.5F})};
   std::vector<uint32_t> colors{1, 2, 3, 4};
