@@ -196,7 +196,9 @@ class Program {
         [this] { return Print(RunInfo(info_path_, json_)); })
         .Add({{.names = "file",
                .target = &info_path_,
-               .help = "File: .vdb .nvdb .csv .npy .npz .ply .glb .vox .binvox .png .html, or a mesh",
+               .help =
+                   "File: .vdb .nvdb .csv .npy .npz .ply .glb .vox .binvox .png .html .vti .vtu .nrrd .mha .mhd .nii "
+                   ".nii.gz, or a mesh",
                .value = "FILE",
                .required = true},
               JsonRow("Print a JSON object", json_)});
