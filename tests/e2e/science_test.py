@@ -199,6 +199,50 @@ class Science(Case):
         numpy.testing.assert_array_equal(cells, arrays["data"])
         self.assertIn(b"\ndim 24 24 24\n", head)
 
+    def convert(self, extensions, *options):
+        """Converts a.vdb to these. Returns the arrays of a.npz."""
+        outputs = [word for extension in (".npz", *extensions) for word in ("-o", self.dir / f"a{extension}")]
+        done = latvox("convert", self.dir / "a.vdb", *outputs, *options)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn(f"{self.summary['voxels']} voxels", done.stdout)
+        with numpy.load(self.dir / "a.npz") as arrays:
+            return dict(arrays)
+
+    def test_convert_keeps_every_voxel_with_its_values(self):
+        for name, lattice in (("skewed", ["--basis", "3,0,0.2,0.5,2,0,0,1,4"]), ("fcc", ["--lattice", "fcc", "--resolution", "12"])):
+            with self.subTest(name):
+                fields = "part,material,color,distance,normal,point,triangle"
+                whole = self.write(SPIDER, [".vdb"], *lattice, "--fields", fields)
+                again = self.convert([".vtu", ".csv", ".ply", ".npy"])
+                self.assertEqual(set(whole), set(again))
+                at = numpy.argwhere(whole["data"])
+                there = at + whole["index_min"] - again["index_min"]
+                self.assertEqual(int(again["data"].sum()), len(at))
+                for field in ("data", *fields.split(",")):
+                    numpy.testing.assert_array_equal(again[field][tuple(there.T)], whole[field][tuple(at.T)], field)
+                numpy.testing.assert_allclose(again["origin"], whole["origin"], rtol=1e-15)
+                numpy.testing.assert_array_equal(again["basis"], whole["basis"])
+                self.check_images(self.convert(IMAGES, "--fields", "normal"), "normal", "float32")
+                self.check_images(self.convert(IMAGES, "--fields", "none", "--pad", "1"), "data", "uint8")
+
+    def test_convert_refuses_what_a_format_cannot_hold(self):
+        self.write(BUNNY, [".vdb"], "--resolution", "12", "--lattice", "bcc", "--fields", "part,distance")
+        for options, code, says in (
+            (["-o", "a.mha"], 3, "a.mha: cannot hold part,distance; .csv .npy .npz .ply .vti .vtu can, and --fields selects some"),
+            (["-o", "b.npy", "--npy", "dense"], 3, "cannot hold part,distance"),
+            (["-o", "b.csv", "-o", "a.vti"], 3, "a.vti: the format holds boxes along the axes only"),
+            (["-o", "b.csv", "--fields", "color"], 3, "a.vdb: has no field color"),
+            (["-o", "b.csv", "--fields", "links"], 2, "links"),
+            (["-o", "b.csv", "--pad", "1"], 2, "--pad: needs an output with a shape"),
+            (["-o", "b.vdb"], 2, '".vdb" is not one of'),
+            (["-o", "b.nii", "--fields", "part", "--dims", "3,99,99"], 3, "b.nii: --dims: 3 along i is less than"),
+        ):  # fmt: skip
+            before = sorted(self.dir.iterdir())
+            done = latvox("convert", self.dir / "a.vdb", *options, cwd=self.dir)
+            self.assertEqual((done.returncode, done.stdout), (code, ""), (options, done.stderr))
+            self.assertIn(says, done.stderr)
+            self.assertEqual(sorted(self.dir.iterdir()), before)
+
     def test_equal_jobs_write_equal_bytes(self):
         files = []
         for threads in ("1", "2"):
