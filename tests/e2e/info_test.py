@@ -71,6 +71,28 @@ class Info(Case):
             with self.subTest(name):
                 self.assertEqual(self.info(name)["voxels"], summary["voxels"])
 
+    def test_images_and_files_of_vtk_tell_number_and_place(self):
+        summary, voxels = self.write("a.nrrd", "a.mha", "a.mhd", "a.nii", "a.nii.gz", "a.vti", "a.vtu", "a.npz")
+        index_box, bounds = self.boxes(voxels)
+        low, high = summary["index_box"]["min"], summary["index_box"]["max"]
+        place = {"type": "uint8", "components": 1, "shape": [h - l for l, h in zip(low, high)], "voxels": len(voxels),
+                 "basis": summary["basis"], "corner": [0.5 + low[0], *low[1:]]}  # fmt: skip
+        for name in ("nrrd", "mha", "mhd", "nii", "nii.gz"):
+            facts = self.info(f"a.{name}")
+            self.assertEqual((facts["format"], {key: facts[key] for key in place}), (name, place))
+        facts = self.info("a.vti")
+        self.assertEqual((facts["voxels"], facts["shape"], facts["cell"]), (len(voxels), place["shape"], [1, 1, 1]))
+        self.assertEqual(facts["low_corner"], [x - 0.5 for x in place["corner"]])
+        self.assertEqual(facts["arrays"], {"data": "UInt8"})
+        facts = self.info("a.vtu")
+        self.assertEqual((facts["voxels"], facts["arrays"]), (len(voxels), {"ijk": "Int32"}))
+        for field, told in (("distance", True), ("normal", True), ("triangle", True), ("color", False)):
+            names = ("b.nrrd", "b.mha", "b.nii.gz") if field != "color" else ("b.nrrd",)
+            outputs = [word for name in names for word in ("-o", self.dir / name)]
+            count = self.voxelize(SPIDER, *outputs, "--resolution", "12", "--fields", field, out="b.vtu")["voxels"]
+            for name in names:
+                self.assertEqual(self.info(name).get("voxels"), count if told else None, (name, field))
+
     def test_both_grids_tell_the_same(self):
         summary, _ = self.write("a.vdb", "a.nvdb")
         nano, grid = self.info("a.nvdb"), self.info("a.vdb")
@@ -149,9 +171,10 @@ class Info(Case):
         self.assertIn("is not a regular file", latvox("info", self.dir / "folder.csv").stderr)
 
     def test_a_file_that_is_cut_short_or_changed_is_refused(self):
-        self.write("a.vdb", "a.nvdb", "a.npy", "a.npz", "a.ply", "a.glb", "a.vox", "a.binvox", "a.png")
+        images = "a.vti", "a.vtu", "a.nrrd", "a.mha", "a.nii", "a.nii.gz"
+        self.write("a.vdb", "a.nvdb", "a.npy", "a.npz", "a.ply", "a.glb", "a.vox", "a.binvox", "a.png", *images)
         self.assertEqual(latvox("view", self.dir / "a.vdb", "-o", self.dir / "a.html").returncode, 0)
-        for name in ("a.nvdb", "a.npy", "a.npz", "a.ply", "a.glb", "a.vox", "a.binvox", "a.png", "a.html"):
+        for name in ("a.nvdb", "a.npy", "a.npz", "a.ply", "a.glb", "a.vox", "a.binvox", "a.png", "a.html", *images):
             data = (self.dir / name).read_bytes()
             for bad in (data[:-1], data[: len(data) // 2], data[:9], b"x" + data[1:], b""):
                 (self.dir / name).write_bytes(bad)

@@ -12,7 +12,7 @@ import unittest
 import harness
 from harness import BIN, BUNNY, Case, latvox
 
-EXTENSIONS = ["vdb", "nvdb", "csv", "npy", "npz", "ply", "png", "html", "glb", "vox", "binvox"]
+EXTENSIONS = ["vdb", "nvdb", "csv", "npy", "npz", "ply", "png", "html", "glb", "vox", "binvox", "vti", "vtu", "nrrd", "mha", "nii", "nii.gz"]
 LONG_JOB = ["voxelize", BUNNY, "--lattice", "cartesian", "--resolution", "700"]
 KILLS = 12
 

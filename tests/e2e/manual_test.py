@@ -258,7 +258,7 @@ class Completions(Case):
             for head, _ in described(help_of(name)):
                 for option in re.findall(r"(--[\w-]+) [\w-]+\|", head):
                     for line in self.fish_lines(f"latvox {name} {option} "):
-                        self.assertRegex(line, r"^[\w-]+\t.+", f"{name} {option}")
+                        self.assertRegex(line, r"^[\w.-]+\t.+", f"{name} {option}")
                         values += 1
         self.assertGreater(values, 50)
 

@@ -25,7 +25,7 @@ COUNT = int(os.environ.get("LATVOX_MUTANTS", "20"))
 SEED = int(os.environ.get("LATVOX_MUTANTS_SEED", "1"))
 BAD = ROOT / "build" / "mutants"
 GRID = ["--lattice", "cartesian", "--resolution", "24"]
-WRITTEN = "vdb nvdb csv npy npz ply glb vox binvox png html".split()
+WRITTEN = "vdb nvdb csv npy npz ply glb vox binvox png html vti vtu nrrd mha nii nii.gz".split()
 
 
 def write_wholes(folder):

@@ -25,6 +25,8 @@ latvox_add_test(client_attributes_test SOURCES unit/client/mesh/attributes_test.
                 LIBRARIES latvox::mesh_files draco::draco GTest::gmock)
 latvox_add_test(client_curve_test SOURCES unit/client/tool/curve/curve_test.cc LIBRARIES latvox::tool GTest::gmock)
 latvox_add_test(client_output_test SOURCES unit/client/tool/output/output_test.cc LIBRARIES latvox::tool GTest::gmock)
+latvox_add_test(client_image_test SOURCES unit/client/tool/output/image_test.cc
+                LIBRARIES latvox::tool ZLIB::ZLIB GTest::gmock)
 latvox_add_test(client_compare_test SOURCES unit/client/tool/cli/compare_test.cc LIBRARIES latvox::tool GTest::gmock)
 latvox_add_test(client_colors_test SOURCES unit/client/tool/output/colors_test.cc
                 LIBRARIES latvox::tool latvox::grid latvox::openvdb_trees GTest::gmock)

@@ -8,6 +8,7 @@
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
 #include "client/internal/trace_context.h"
+#include "client/tool/output/output.h"
 
 namespace latvox::client {
 namespace {
@@ -58,7 +59,7 @@ OptionCheck Whole(int low, int high) {
 OptionRow OutputRow(const std::vector<std::string>& extensions, std::vector<std::string>& outputs, bool several) {
   const std::string known = absl::StrJoin(extensions, " ");
   const auto wrong = [extensions, known](const std::string& path) -> std::string {
-    const std::string extension = absl::AsciiStrToLower(std::filesystem::path(path).extension().string());
+    const std::string extension = ExtensionOf(path);
     if (std::find(extensions.begin(), extensions.end(), extension) != extensions.end()) return "";
     return absl::StrCat("\"", path, "\": extension \"", extension, "\" is not one of ", known);
   };

@@ -140,6 +140,9 @@ absl::StatusOr<std::string> JobDigest(const Job& job) {
   if (input.format) json["input_format"] = static_cast<int>(*input.format);
   if (job.options.output_options.picture_up != UpAxis::kY) json["picture_up"] = "z";
   if (job.options.output_options.dense_npy) json["npy"] = "dense";
+  const BoxShape& shape = job.options.output_options.shape;
+  if (shape.dims) json["dims"] = *shape.dims;
+  if (shape.pad > 0) json["pad"] = shape.pad;
   if (job.options.upload != UploadForm::kAuto) json["upload"] = static_cast<int>(job.options.upload);
   if (job.options.alpha_cutoff) json["alpha_cutoff"] = *job.options.alpha_cutoff;
   if (!job.options.priority.empty()) json["priority"] = job.options.priority;

@@ -58,6 +58,8 @@ constexpr std::pair<const char*, Kind> kLineFields[] = {
     {"weld_report", Kind::kFlag},
     {"strict", Kind::kFlag},
     {"npy", Kind::kText},
+    {"dims", Kind::kNumbers},
+    {"pad", Kind::kNumber},
 };
 
 constexpr const char* kTypes[] = {"a non-empty string",

@@ -16,6 +16,7 @@
 #include "client/tool/cli/commands.h"
 #include "client/tool/cli/common_options.h"
 #include "client/tool/cli/compare_command.h"
+#include "client/tool/cli/convert_command.h"
 #include "client/tool/cli/encode_command.h"
 #include "client/tool/cli/exit_status.h"
 #include "client/tool/cli/interrupt.h"
@@ -186,6 +187,10 @@ class Program {
         [](const auto* words, Cancel cancel) { return Print(RunSlice(*words, cancel)); });
     Add("view", "Write a web page that shows a .vdb file's voxels", &AddViewOptions, view_, checked,
         [](const auto* words, Cancel cancel) { return Print(RunView(*words, cancel)); });
+    Add(
+        "convert", "Write a .vdb file's voxels and fields in other formats", &AddConvertOptions, convert_,
+        [](const auto& words) { return Interpret(words); },
+        [](const auto& options, Cancel cancel) { return Print(RunConvert(options, cancel)); });
     Add("compare", "Compare two .vdb files", &AddCompareOptions, compare_, checked,
         [](const auto* words, Cancel cancel) { return Compare(*words, cancel); });
   }
@@ -196,7 +201,9 @@ class Program {
         [this] { return Print(RunInfo(info_path_, json_)); })
         .Add({{.names = "file",
                .target = &info_path_,
-               .help = "File: .vdb .nvdb .csv .npy .npz .ply .glb .vox .binvox .png .html, or a mesh",
+               .help =
+                   "File: .vdb .nvdb .csv .npy .npz .ply .glb .vox .binvox .png .html .vti .vtu .nrrd .mha .mhd .nii "
+                   ".nii.gz, or a mesh",
                .value = "FILE",
                .required = true},
               JsonRow("Print a JSON object", json_)});
@@ -248,6 +255,7 @@ class Program {
   RenderWords render_;
   SliceWords slice_;
   CompareWords compare_;
+  ConvertWords convert_;
   ViewWords view_;
   std::string info_path_, shell_, manual_format_;
   ServerChoice server_;

@@ -46,6 +46,10 @@ constexpr std::pair<const char*, const char*> kExamples[] = {
     {"view",
      "Examples:\n"
      "  latvox view bunny.vdb -o bunny.html\n"},
+    {"convert",
+     "Examples:\n"
+     "  latvox convert bunny.vdb -o bunny.nrrd -o bunny.vtu\n"
+     "  latvox convert band.vdb --pad 2 -o band.nii.gz -o band.vti\n"},
     {"compare",
      "Exit status: 0 equal; 1 different; otherwise as for all commands\n"
      "\n"

@@ -10,6 +10,7 @@
 #include "client/tool/cli/common_options.h"
 #include "client/tool/cli/request_words.h"
 #include "client/tool/cli/set_options.h"
+#include "client/tool/cli/shape_options.h"
 #include "client/tool/output/output.h"
 
 namespace latvox::client {
@@ -67,13 +68,9 @@ OptionRow VoxelOutputRow(VoxelizeWords& words) {
 }
 
 Rows OutputRows(VoxelizeWords& words) {
-  return {VoxelOutputRow(words),
-          {.names = "--npy",
-           .target = &words.npy,
-           .help = "Content of a .npy: one row of coordinates per voxel, or a dense box of 0 and 1",
-           .words = {"coordinates", "dense"},
-           .word_help = {"one row per voxel", "a box of 0 and 1"},
-           .standard = "coordinates"}};
+  Rows rows = ShapeRows(words.shape);
+  rows.insert(rows.begin(), VoxelOutputRow(words));
+  return rows;
 }
 
 Rows LatticeRows(VoxelizeWords& words) {
@@ -102,7 +99,8 @@ Rows LatticeRows(VoxelizeWords& words) {
        .help = "Voxels along the mesh's longest side",
        .value = "N",
        .checks = {Whole(kMinResolution, kMaxResolution)},
-       .standard = absl::StrCat(kDefaultResolution, ", without --voxel-size, --basis or --align")},
+       .standard =
+           absl::StrCat(kDefaultResolution, ", or what fits into --dims, without --voxel-size, --basis or --align")},
       {.names = "--origin",
        .target = &words.origin,
        .help = "World position of lattice point 0",

@@ -345,7 +345,9 @@ void InterpretFields(const VoxelizeWords& words, VoxelizeOptions& options) {
   request.signed_distance = words.is_signed;
   if (words.is_signed && !CarriesField(request.fields, Field::kDistance)) Refuse("--signed: needs --fields distance");
   if (request.fields.empty()) return;
-  if (options.output_options.dense_npy) Refuse("--npy: dense cannot hold --fields; .npz can");
+  if (options.output_options.dense_npy && !FitsOneArray(request.fields)) {
+    Refuse("--npy: dense holds one field, and none of links; .npz holds all");
+  }
   for (const Field field : request.fields) {
     if (FactsOf(field).is_of_mesh) options.mesh.attributes.push_back(field);
   }

@@ -1,6 +1,5 @@
 #include "client/tool/cli/voxelize_command.h"
 
-#include <filesystem>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -158,7 +157,7 @@ namespace {
 absl::StatusOr<VoxelizeReport> RunToStandardOutput(VoxelizeOptions options, const CallOptions& call,
                                                    const JobHooks& hooks) {
   std::string& output = options.outputs[*options.standard_output];
-  const auto file = StandardOutputFile::Create(std::filesystem::path(output).extension().string());
+  const auto file = StandardOutputFile::Create(ExtensionOf(output));
   if (!file.ok()) return file.status();
   output = (*file)->path();
   auto report = RunJob(options, call, hooks);

@@ -6,15 +6,17 @@
 #include <array>
 #include <filesystem>
 
-#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "client/mesh_files/input.h"
 #include "client/tool/cli/common_options.h"
 #include "client/tool/cli/request_rows.h"
 #include "client/tool/cli/request_words.h"
 #include "client/tool/cli/set_options.h"
+#include "client/tool/cli/shape_options.h"
 #include "client/tool/output/box_output.h"
 #include "client/tool/output/output.h"
+#include "client/tool/output/vtk_output.h"
 #include "client/tool/view/page.h"
 #include "latvox/stretched.h"
 
@@ -47,12 +49,15 @@ void InterpretVoxelSize(const VoxelizeWords& words, VoxelizeRequest& request) {
 }
 
 // With --align, the lattice is unknown until the file is read.
-void CheckCubes(const VoxelizeOptions& options) {
+void CheckCells(const VoxelizeOptions& options) {
   const std::variant<NamedLattice, Basis>& lattice = options.request.lattice;
   const Basis* basis = std::get_if<Basis>(&lattice);
-  if (basis != nullptr ? IsCubic(*basis) : std::get<NamedLattice>(lattice) == NamedLattice::kCartesian) return;
+  const bool is_named = basis == nullptr && std::get<NamedLattice>(lattice) == NamedLattice::kCartesian;
+  const bool cubes = basis != nullptr ? IsCubic(*basis) : is_named;
+  const bool boxes = basis != nullptr ? IsAlongAxes(*basis) : is_named;
   for (const std::string& output : options.outputs) {
-    if (HasExtension(output, {".binvox", ".vox"})) Refuse("--out: ", output, ": ", kCubesOnly);
+    if (!cubes && HasExtension(output, {".binvox", ".vox"})) Refuse("--out: ", output, ": ", kCubesOnly);
+    if (!boxes && HasExtension(output, {".vti"})) Refuse("--out: ", output, ": ", kBoxesOnly);
   }
 }
 
@@ -95,29 +100,28 @@ void InterpretPart(const VoxelizeWords& words, VoxelizeRequest& request) {
   if (!words.shard.empty()) request.shard = ParseShard(words.shard);
 }
 
-void InterpretNpy(const VoxelizeWords& words, VoxelizeOptions& options) {
-  const auto is_npy = [](const std::string& path) { return absl::EndsWithIgnoreCase(path, ".npy"); };
-  if (!words.npy.empty() && std::none_of(options.outputs.begin(), options.outputs.end(), is_npy)) {
-    Refuse("--npy: ", words.npy, " requires a .npy output, and --out names none");
+// Without a size, dims decide: the longest side has as many voxels as fit along each side.
+uint32_t DefaultResolution(const BoxShape& shape) {
+  if (!shape.dims) return kDefaultResolution;
+  const int64_t least = *std::min_element(shape.dims->begin(), shape.dims->end()) - 2 * int64_t{shape.pad};
+  if (least < kMinResolution) {
+    Refuse("--dims: ", absl::StrJoin(*shape.dims, ","), " with --pad ", shape.pad, " leaves ", least,
+           " voxels along a side, and the least is ", kMinResolution);
   }
-  options.output_options.dense_npy = words.npy == "dense";
-}
-
-std::vector<std::string> OutputFormats() {
-  std::vector<std::string> formats;
-  for (const std::string& extension : OutputExtensions()) formats.push_back(extension.substr(1));
-  return formats;
+  return static_cast<uint32_t>(std::min<int64_t>(least, kMaxResolution));
 }
 
 OptionRow OutputFormatRow(VoxelizeWords& words) {
-  return {.names = "--output-format",
-          .target = &words.output_format,
-          .help = "Format of -o -",
-          .group = "Output",
-          .words = OutputFormats(),
-          .word_help = {"OpenVDB", "NanoVDB", "table", "NumPy", "NumPy, dense and placed", "points", "picture",
-                        "surface of cells", "binvox", "MagicaVoxel"},
-          .standard = kDefaultFormat};
+  OptionRow row = {.names = "--output-format",
+                   .target = &words.output_format,
+                   .help = "Format of -o -",
+                   .group = "Output",
+                   .standard = kDefaultFormat};
+  for (const auto& [word, what] : StreamedFormats()) {
+    row.words.push_back(word);
+    row.word_help.push_back(what);
+  }
+  return row;
 }
 
 // Returns the mesh's name with .vdb, in the current folder.
@@ -179,12 +183,12 @@ VoxelizeOptions InterpretRequest(const VoxelizeWords& words) {
   request.set = InterpretSet(words);
   request.separability = InterpretSeparability(words, request.lattice);
   InterpretVoxelSize(words, request);
-  CheckCubes(options);
+  CheckCells(options);
   if (!words.resolution.empty()) ParseNumber(words.resolution, request.resolution.emplace());
   if (!words.placement.empty()) request.placement = ValueNamed(PlacementNames(), words.placement);
   if (!words.origin.empty()) ParseNumbers(words.origin, request.origin.emplace());
   InterpretPart(words, request);
-  InterpretNpy(words, options);
+  InterpretShape(words.shape, options.outputs, options.output_options);
   InterpretMesh(words, options.mesh);
   options.strict = words.strict;
   if (!words.up_axis.empty()) options.output_options.picture_up = UpAxis::kZ;
@@ -193,7 +197,7 @@ VoxelizeOptions InterpretRequest(const VoxelizeWords& words) {
   options.output_options.note = NoteOf(options, words);
   options.output_options.make_page = ViewPage;
   if (words.basis.empty() && options.align.empty() && words.voxel_size.empty() && !request.resolution) {
-    request.resolution = kDefaultResolution;
+    request.resolution = DefaultResolution(options.output_options.shape);
     options.has_default_resolution = true;
   }
   return options;

@@ -11,6 +11,7 @@
 #include "client/tool/cli/mesh_options.h"
 #include "client/tool/cli/request_words.h"
 #include "client/tool/cli/session.h"
+#include "client/tool/cli/shape_options.h"
 #include "client/tool/output/output.h"
 #include "deploy/manual/command_parser.h"
 #include "latvox/types.h"
@@ -40,8 +41,9 @@ struct VoxelizeOptions {
 // The words as given. Parsing writes into them.
 struct VoxelizeWords : MeshWords {
   VoxelizeOptions options;  // partly filled by parsing
+  ShapeWords shape;
   std::string lattice, basis, voxel_size, resolution, origin, region, bounds, shard, quantization = "auto";
-  std::string output_format, npy, separability, algorithm, upload, encoding, set, rule, placement, band, side, fields,
+  std::string output_format, separability, algorithm, upload, encoding, set, rule, placement, band, side, fields,
       labels, priority, alpha_cutoff;
   std::string seed, close, leak_from;
   bool force_open = false, is_signed = false, allow_outside = false;

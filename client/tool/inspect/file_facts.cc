@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "absl/strings/ascii.h"
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
@@ -20,8 +21,10 @@
 #include "client/tool/inspect/array_facts.h"
 #include "client/tool/inspect/box_facts.h"
 #include "client/tool/inspect/extent.h"
+#include "client/tool/inspect/image_facts.h"
 #include "client/tool/inspect/picture_facts.h"
 #include "client/tool/inspect/table_facts.h"
+#include "client/tool/inspect/vtk_facts.h"
 
 namespace latvox::client {
 namespace {
@@ -87,6 +90,8 @@ absl::StatusOr<Json> Opened(const std::string& path) {
   return of_file(**file);
 }
 
+constexpr char kNiiGz[] = ".nii.gz";
+
 constexpr std::pair<absl::string_view, absl::StatusOr<Json> (*)(const std::string&)> kFormats[] = {
     {".csv", Opened<CsvFacts>},
     {".npy", Opened<NpyFacts>},
@@ -97,6 +102,13 @@ constexpr std::pair<absl::string_view, absl::StatusOr<Json> (*)(const std::strin
     {".binvox", Opened<BinvoxFacts>},
     {".png", Opened<PngFacts>},
     {".html", Opened<PageFacts>},
+    {".vti", Opened<VtiFacts>},
+    {".vtu", Opened<VtuFacts>},
+    {".nrrd", NrrdFacts},
+    {".mha", MetaImageFacts},
+    {".mhd", MetaImageFacts},
+    {".nii", NiftiFacts},
+    {kNiiGz, NiftiFacts},
     {".obj", FactsOfMesh},
     {".stl", FactsOfMesh},
     {".off", FactsOfMesh},
@@ -140,7 +152,8 @@ absl::StatusOr<FileFacts> ReadFileFacts(const std::string& path) {
   // gzip hides the content of .ply and .glb; latvox writes no such file of voxels.
   const bool packed = FormatOfPath(path) && absl::AsciiStrToLower(name.extension().string()) == ".gz";
   if (packed) name.replace_extension();
-  const std::string extension = absl::AsciiStrToLower(name.extension().string());
+  const bool is_nifti = absl::EndsWithIgnoreCase(path, kNiiGz);
+  const std::string extension = is_nifti ? kNiiGz : absl::AsciiStrToLower(name.extension().string());
   const auto has_it = [&](const auto& format) { return format.first == extension; };
   const auto format = std::find_if(std::begin(kFormats), std::end(kFormats), has_it);
   if (format == std::end(kFormats)) {

@@ -170,9 +170,9 @@ absl::Status AtomicFile::Flush() {
   return absl::OkStatus();
 }
 
-absl::Status AtomicFile::WriteAtStart(std::string_view bytes) {
+absl::Status AtomicFile::Overwrite(uint64_t offset, std::string_view bytes) {
   if (auto status = Flush(); !status.ok()) return status;
-  if (!WriteAll(fd_, bytes, 0, /*append=*/false)) return Error(errno);
+  if (!WriteAll(fd_, bytes, static_cast<off_t>(offset), /*append=*/false)) return Error(errno);
   return absl::OkStatus();
 }
 

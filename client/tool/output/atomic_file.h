@@ -2,6 +2,7 @@
 #ifndef LATVOX_CLIENT_TOOL_OUTPUT_ATOMIC_FILE_H_
 #define LATVOX_CLIENT_TOOL_OUTPUT_ATOMIC_FILE_H_
 
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -39,8 +40,8 @@ class AtomicFile {
   // Appends bytes. They are buffered: a later call may report the error.
   absl::Status Append(std::string_view bytes);
 
-  // Overwrites the first bytes of the file, for headers that hold a count.
-  absl::Status WriteAtStart(std::string_view bytes);
+  // Overwrites bytes that were appended, for headers that hold a count.
+  absl::Status Overwrite(uint64_t offset, std::string_view bytes);
 
   // Writes everything to the disk.
   absl::Status Sync();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -15,10 +16,13 @@
 namespace latvox::client {
 namespace {
 
+constexpr double kRounding = 1e-12;  // relative, of the vectors of a scaled lattice
+
 // Collects all voxels, then writes the file.
 class BoxOutput : public Output {
  public:
-  BoxOutput(std::unique_ptr<AtomicFile> file, int32_t most) : file_(std::move(file)), most_(most) {}
+  BoxOutput(std::unique_ptr<AtomicFile> file, int32_t most, const BoxShape& shape = {})
+      : file_(std::move(file)), most_(most), shape_(shape) {}
 
   absl::Status Begin(const Accepted& accepted) final {
     if (!IsCubic(accepted.grid.basis)) {
@@ -30,9 +34,10 @@ class BoxOutput : public Output {
 
   absl::Status Add(const BrickBatch& batch) final {
     for (const Brick& brick : batch.bricks) {
+      box_.Add(brick);
       ForEachVoxel(brick, [this](const Vec3i& ijk) { voxels_.push_back(ijk); });
     }
-    return absl::OkStatus();
+    return box_.box() ? ShapedBox(*box_.box(), shape_, file_->target()).status() : absl::OkStatus();
   }
 
   absl::Status Finish(const Summary&) final {
@@ -54,16 +59,14 @@ class BoxOutput : public Output {
   virtual absl::Status Write() = 0;
 
   absl::Status MoveToCorner() {
-    if (voxels_.empty()) return absl::OkStatus();
-    Vec3i high = low_ = voxels_[0];
-    for (const Vec3i& ijk : voxels_) {
-      for (size_t m = 0; m < 3; ++m) {
-        low_[m] = std::min(low_[m], ijk[m]);
-        high[m] = std::max(high[m], ijk[m]);
-      }
-    }
+    const std::optional<IndexBox>& voxels = box_.box();
+    if (!voxels && !shape_.dims) return absl::OkStatus();
+    const auto shaped = ShapedBox(voxels ? *voxels : IndexBox{}, shape_, file_->target());
+    if (!shaped.ok()) return shaped.status();
+    const IndexBox& box = *shaped;
+    low_ = box.min;
     for (size_t m = 0; m < 3; ++m) {
-      const int64_t side = int64_t{high[m]} - low_[m] + 1;
+      const int64_t side = int64_t{box.max[m]} - low_[m];
       if (side > most_) {
         return absl::ResourceExhaustedError(absl::StrCat(file_->target(), ": ", side, " voxels along ",
                                                          std::string(1, "xyz"[m]), " exceed the format's ", most_));
@@ -78,7 +81,9 @@ class BoxOutput : public Output {
 
   std::unique_ptr<AtomicFile> file_;
   const int32_t most_;
+  const BoxShape shape_;
   GridTransform grid_;
+  VoxelBox box_;
   std::vector<Vec3i> voxels_;
   Vec3i low_{}, sides_{1, 1, 1};
 };
@@ -86,7 +91,7 @@ class BoxOutput : public Output {
 // Writes runs of (value, length) with lengths up to 255, over x, then z, then y, which changes fastest.
 class BinvoxOutput final : public BoxOutput {
  public:
-  explicit BinvoxOutput(std::unique_ptr<AtomicFile> file) : BoxOutput(std::move(file), 4096) {}
+  BinvoxOutput(std::unique_ptr<AtomicFile> file, const BoxShape& shape) : BoxOutput(std::move(file), 4096, shape) {}
 
  private:
   absl::Status Write() override {
@@ -165,20 +170,24 @@ class VoxOutput final : public BoxOutput {
 
 }  // namespace
 
-bool IsCubic(const Basis& basis) {
-  constexpr double kTolerance = 1e-12;  // relative; vectors of a scaled lattice are rounded
-  const Vec3d axes[] = {basis.a, basis.b, basis.c};
-  const double side = basis.a[0];
+bool IsAlongAxes(const Basis& basis) {
+  const Vec3d steps[] = {basis.a, basis.b, basis.c};
   for (size_t n = 0; n < 3; ++n) {
     for (size_t m = 0; m < 3; ++m) {
-      if (!(std::abs(axes[n][m] - (n == m ? side : 0)) <= kTolerance * side)) return false;
+      if (n == m ? !(steps[n][n] > 0) : !(std::abs(steps[n][m]) <= kRounding * steps[n][n])) return false;
     }
   }
   return true;
 }
 
-std::unique_ptr<Output> NewBinvoxOutput(std::unique_ptr<AtomicFile> file) {
-  return std::make_unique<BinvoxOutput>(std::move(file));
+bool IsCubic(const Basis& basis) {
+  const double side = basis.a[0];
+  const auto is_side = [side](double other) { return std::abs(other - side) <= kRounding * side; };
+  return IsAlongAxes(basis) && is_side(basis.b[1]) && is_side(basis.c[2]);
+}
+
+std::unique_ptr<Output> NewBinvoxOutput(std::unique_ptr<AtomicFile> file, const BoxShape& shape) {
+  return std::make_unique<BinvoxOutput>(std::move(file), shape);
 }
 
 std::unique_ptr<Output> NewVoxOutput(std::unique_ptr<AtomicFile> file) {

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "client/tool/output/atomic_file.h"
+#include "client/tool/output/box_shape.h"
 #include "client/tool/output/output.h"
 
 namespace latvox::client {
@@ -13,6 +14,10 @@ namespace latvox::client {
 inline constexpr char kCubesOnly[] =
     "the format holds cubes along the axes only; use --lattice cartesian and one --voxel-size";
 
+// Returns whether the basis vectors are multiples of x, y and z, in this order and direction, up to the rounding of a
+// scaled basis: the cells are boxes along the axes.
+bool IsAlongAxes(const Basis& basis);
+
 // Returns whether the cells are cubes along the world's axes, up to the rounding of a scaled basis.
 bool IsCubic(const Basis& basis);
 
@@ -20,9 +25,9 @@ bool IsCubic(const Basis& basis);
 // Errors: INVALID_ARGUMENT for another lattice; RESOURCE_EXHAUSTED for a box that the format cannot hold.
 //   .binvox   a cube of up to 4096 voxels a side (half a gigabyte if empty), starting at the lowest voxel. `translate`
 //             is the low corner of that voxel's cube, `scale` the side of the whole cube. So the centers of the cells
-//             are the world positions of the voxels.
+//             are the world positions of the voxels. The shape is around the box of the voxels.
 //   .vox      MagicaVoxel: up to 256 voxels a side, z up, without world positions.
-std::unique_ptr<Output> NewBinvoxOutput(std::unique_ptr<AtomicFile> file);
+std::unique_ptr<Output> NewBinvoxOutput(std::unique_ptr<AtomicFile> file, const BoxShape& shape);
 std::unique_ptr<Output> NewVoxOutput(std::unique_ptr<AtomicFile> file);
 
 }  // namespace latvox::client

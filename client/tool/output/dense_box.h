@@ -15,11 +15,20 @@
 
 namespace latvox::client {
 
-// The elements of a dense array in C order: element [i - i0, j - j0, k - k0] is lattice point (i, j, k) of the box i0
-// <= i < i1 and so on. Memory: 88 bytes for each brick. Not thread-safe.
+// The coordinate that changes fastest from one element to the next.
+enum class DenseOrder {
+  kLastFastest,   // k: C order, as numpy has it
+  kFirstFastest,  // i: as files of images have it
+};
+
+// The elements of a dense array: element [i - i0, j - j0, k - k0] is lattice point (i, j, k) of the box i0 <= i < i1
+// and so on. Memory: 88 bytes for each brick. Not thread-safe.
 class DenseBox {
  public:
-  // Without a box, the array has shape (0, 0, 0). Errors: RESOURCE_EXHAUSTED, naming `target`: an array of more than
+  explicit DenseBox(DenseOrder order = DenseOrder::kLastFastest)
+      : outer_(order == DenseOrder::kLastFastest ? 0 : 2), inner_(2 - outer_) {}
+
+  // Without a box, the array has shape (0, 0, 0). Errors, naming `target`: RESOURCE_EXHAUSTED: an array of more than
   // 2^32 bytes.
   //   element_bytes   of the largest element
   absl::Status SetBox(const std::optional<IndexBox>& box, uint64_t element_bytes, const std::string& target);
@@ -30,10 +39,13 @@ class DenseBox {
   void Sort();
 
   const Vec3i& low() const { return low_; }
-  const std::array<uint64_t, 3>& shape() const { return shape_; }
+  const std::array<uint64_t, 3>& shape() const { return shape_; }  // along i, j, k
+  uint64_t rows() const { return shape_[outer_] * shape_[1]; }
+  uint64_t row_elements() const { return shape_[inner_]; }
 
-  // Calls visit(k - k0, n) for each voxel of a row along k, ascending. The n-th voxel that was added has number n.
-  //   row   below shape[0] * shape[1]; fast if the rows come in order
+  // Calls visit(at, n) for each voxel of a row along the fastest coordinate, with its place in the row, ascending. The
+  // n-th voxel that was added has number n.
+  //   row   below rows(); fast if the rows come in order
   void ForEachInRow(uint64_t row, absl::FunctionRef<void(uint64_t at, uint64_t n)> visit);
 
  private:
@@ -42,9 +54,14 @@ class DenseBox {
     uint64_t first;  // number of its first voxel
   };
 
-  // Finds the columns of bricks whose first coordinate is `layer`.
+  // Finds the columns of bricks whose outer coordinate is `layer`.
   void EnterLayer(int32_t layer);
 
+  // Calls visit(coordinate, n) for each voxel of a brick's row.
+  void ForEachAlongK(const Placed& placed, size_t x, size_t y, absl::FunctionRef<void(int64_t, uint64_t)> visit) const;
+  void ForEachAlongI(const Placed& placed, size_t y, size_t z, absl::FunctionRef<void(int64_t, uint64_t)> visit) const;
+
+  const size_t outer_, inner_;  // axes: the slowest, and that of a row
   Vec3i low_{};
   std::array<uint64_t, 3> shape_{};
   std::vector<Placed> bricks_;

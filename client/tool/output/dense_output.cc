@@ -3,7 +3,9 @@
 #include <string>
 #include <utility>
 
-#include "client/tool/output/dense_box.h"
+#include "absl/strings/str_cat.h"
+#include "client/tool/output/dense_fields.h"
+#include "client/tool/output/field_columns.h"
 #include "client/tool/output/npy_header.h"
 
 namespace latvox::client {
@@ -11,21 +13,22 @@ namespace {
 
 class DenseNpyOutput final : public Output {
  public:
-  explicit DenseNpyOutput(std::unique_ptr<AtomicFile> file) : file_(std::move(file)) {}
+  DenseNpyOutput(std::unique_ptr<AtomicFile> file, const std::vector<Field>& fields, const BoxShape& shape)
+      : file_(std::move(file)), fields_(fields, DenseOrder::kLastFastest, shape) {}
 
-  absl::Status Begin(const Accepted& accepted) override {
-    return box_.SetBox(accepted.index_box, /*element_bytes=*/1, file_->target());
-  }
+  absl::Status Begin(const Accepted& accepted) override { return fields_.Begin(accepted, file_->target()); }
 
-  absl::Status Add(const BrickBatch& batch) override {
-    box_.Add(batch);
-    return absl::OkStatus();
-  }
+  absl::Status Add(const BrickBatch& batch) override { return fields_.Add(batch); }
 
   absl::Status Finish(const Summary&) override {
-    if (auto status = file_->Append(NpyHeader("'|u1'", box_.shape())); !status.ok()) return status;
-    box_.Sort();
-    DenseRows rows(box_, std::string(1, '\0'), [](uint64_t, char* element) { *element = 1; });
+    if (auto status = fields_.Finish(); !status.ok()) return status;
+    DenseBox& box = fields_.box();
+    const DenseArray array = fields_.Arrays().back();
+    std::vector<uint64_t> shape(box.shape().begin(), box.shape().end());
+    if (array.components > 1) shape.push_back(array.components);
+    const std::string header = NpyHeader(absl::StrCat("'", NumpyTypeOf(array.type), "'"), shape);
+    if (auto status = file_->Append(header); !status.ok()) return status;
+    DenseRows rows(box, array.empty, array.put);
     std::string chunk;
     for (rows.Next(chunk); !chunk.empty(); rows.Next(chunk)) {
       if (auto status = file_->Append(chunk); !status.ok()) return status;
@@ -37,13 +40,14 @@ class DenseNpyOutput final : public Output {
 
  private:
   std::unique_ptr<AtomicFile> file_;
-  DenseBox box_;
+  DenseFields fields_;
 };
 
 }  // namespace
 
-std::unique_ptr<Output> NewDenseNpyOutput(std::unique_ptr<AtomicFile> file) {
-  return std::make_unique<DenseNpyOutput>(std::move(file));
+std::unique_ptr<Output> NewDenseNpyOutput(std::unique_ptr<AtomicFile> file, const std::vector<Field>& fields,
+                                          const BoxShape& shape) {
+  return std::make_unique<DenseNpyOutput>(std::move(file), fields, shape);
 }
 
 }  // namespace latvox::client

@@ -3,16 +3,21 @@
 #define LATVOX_CLIENT_TOOL_OUTPUT_DENSE_OUTPUT_H_
 
 #include <memory>
+#include <vector>
 
 #include "client/tool/output/atomic_file.h"
+#include "client/tool/output/box_shape.h"
 #include "client/tool/output/output.h"
 
 namespace latvox::client {
 
-// .npy: a uint8 array in C order. Element [i - i0, j - j0, k - k0] is 1 if (i, j, k) is a voxel, otherwise 0. i0 <= i <
-// i1 and so on is the index box of the call (Accepted::index_box); without one the array has shape (0, 0, 0).
-// Memory: 88 bytes for each brick. Errors: RESOURCE_EXHAUSTED for more than 2^32 elements, before the first voxel.
-std::unique_ptr<Output> NewDenseNpyOutput(std::unique_ptr<AtomicFile> file);
+// .npy: an array in C order over the index box of the call (Accepted::index_box), as `shape` widens it. Element [i -
+// i0, j - j0, k - k0] belongs to lattice point (i, j, k). Without a field it is uint8, 1 for a voxel, otherwise 0; with
+// one, that field: see DenseFields. Without an index box the array has shape (0, 0, 0). Memory: 88 bytes for each
+// brick, and the field. Errors: RESOURCE_EXHAUSTED for more than 2^32 bytes, before the first voxel.
+//   fields   at most one, not of links
+std::unique_ptr<Output> NewDenseNpyOutput(std::unique_ptr<AtomicFile> file, const std::vector<Field>& fields,
+                                          const BoxShape& shape);
 
 }  // namespace latvox::client
 

@@ -43,8 +43,7 @@ inline std::vector<std::string> ColumnsOf(Field field, const std::vector<Vec3i>&
 
 // Returns the type of a component in numpy: "<i4", "<u2", "|u1" or "<f4". Numbers are below 2^31, and -1 means that
 // there is no triangle.
-constexpr const char* NumpyTypeOf(Field field) {
-  const NumberType type = FactsOf(field).type;
+constexpr const char* NumpyTypeOf(NumberType type) {
   return type == NumberType::kUint8    ? "|u1"
          : type == NumberType::kUint16 ? "<u2"
          : type == NumberType::kUint32 ? "<i4"

@@ -6,23 +6,24 @@
 #include <vector>
 
 #include "client/tool/output/atomic_file.h"
+#include "client/tool/output/box_shape.h"
 #include "client/tool/output/output.h"
 
 namespace latvox::client {
 
-// .npz: a zip archive of .npy members, as numpy.load reads it. (i0, j0, k0) is the low corner of the call's index box.
-//   data        C order, shape of the index box, (0, 0, 0) without one. Element [i - i0, j - j0, k - k0] belongs to
-//               lattice point (i, j, k): uint8, 1 for a voxel, otherwise 0; for a band float32, the distance in world
-//               units, NaN outside the band
-//   part, material   int32, of the same shape, -1 where there is no voxel; if the voxels carry them
-//   color       uint8, of the same shape and 3: red, green, blue, 0 where there is no voxel
+// .npz: a zip archive of .npy members, as numpy.load reads it. (i0, j0, k0) is the low corner of the
+// call's index box, as `shape` widens it.
+//   data        C order, shape of that box, (0, 0, 0) without one. Element [i - i0, j - j0, k - k0] belongs to
+//               lattice point (i, j, k): uint8, 1 for a voxel, otherwise 0
+//   part, color, ...   one for each field, of the same shape, and of its components: see DenseFields
 //   index_min   int32 (3): i0, j0, k0
 //   affine      float64 (4, 4): affine @ (a, b, c, 1) is the world position of element [a, b, c], the center of a voxel
 //   basis       float64 (3, 3): basis[n] is the world vector of one step along index n
 //   origin      float64 (3): world position of lattice point (0, 0, 0)
-// Memory: 88 bytes for each brick, and 4 for each value. Errors: RESOURCE_EXHAUSTED for an array of more than 2^32
+// Memory: 88 bytes for each brick, and the fields. Errors: RESOURCE_EXHAUSTED for an array of more than 2^32
 // bytes, before the first voxel.
-std::unique_ptr<Output> NewNpzOutput(std::unique_ptr<AtomicFile> file, const std::vector<Field>& fields);
+std::unique_ptr<Output> NewNpzOutput(std::unique_ptr<AtomicFile> file, const std::vector<Field>& fields,
+                                     const BoxShape& shape);
 
 }  // namespace latvox::client
 

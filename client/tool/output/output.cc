@@ -10,16 +10,19 @@
 #include <vector>
 
 #include "absl/strings/ascii.h"
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "client/tool/output/atomic_file.h"
 #include "client/tool/output/box_output.h"
 #include "client/tool/output/dense_output.h"
+#include "client/tool/output/image_output.h"
 #include "client/tool/output/npz_output.h"
 #include "client/tool/output/page_output.h"
 #include "client/tool/output/picture_output.h"
 #include "client/tool/output/surface_output.h"
 #include "client/tool/output/table_output.h"
+#include "client/tool/output/vtk_output.h"
 #include "latvox/error.h"
 #include "latvox/grid/distance_grid.h"
 #include "latvox/grid/field_grids.h"
@@ -142,52 +145,83 @@ std::unique_ptr<Output> NewPlainOutput(std::unique_ptr<AtomicFile> file, const V
 
 std::unique_ptr<Output> NewNpyOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request,
                                      const OutputOptions& options) {
-  return options.dense_npy ? NewDenseNpyOutput(std::move(file))
+  return options.dense_npy ? NewDenseNpyOutput(std::move(file), request.fields, options.shape)
                            : NewTableOutput(".npy", std::move(file), request.fields);
 }
 
 std::unique_ptr<Output> NewArchiveOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request,
-                                         const OutputOptions&) {
-  return NewNpzOutput(std::move(file), request.fields);
+                                         const OutputOptions& options) {
+  return NewNpzOutput(std::move(file), request.fields, options.shape);
+}
+
+std::unique_ptr<Output> NewCubeOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest&,
+                                      const OutputOptions& options) {
+  return NewBinvoxOutput(std::move(file), options.shape);
+}
+
+std::unique_ptr<Output> NewCellOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request,
+                                      const OutputOptions& options) {
+  return NewVtiOutput(std::move(file), request.fields, options.shape);
+}
+
+std::unique_ptr<Output> NewPointOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request,
+                                       const OutputOptions&) {
+  return NewVtuOutput(std::move(file), request.fields);
+}
+
+template <ImageFormat format>
+std::unique_ptr<Output> NewImage(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request,
+                                 const OutputOptions& options) {
+  return NewImageOutput(std::move(file), format, request.fields, options.shape);
 }
 
 using NewOutput = std::unique_ptr<Output> (*)(std::unique_ptr<AtomicFile>, const VoxelizeRequest&,
                                               const OutputOptions&);
 
 // The fields that a format holds or shows.
-enum class Holds { kNone, kColor, kFixed, kAll };  // kFixed: those whose size does not depend on the lattice
+enum class Holds {
+  kNone,
+  kColor,
+  kOne,    // one whose size does not depend on the lattice
+  kFixed,  // all those
+  kAll,
+};
 
 struct Format {
-  const char* extension;
+  const char *extension, *what;
   NewOutput open;
   Holds holds;
   bool is_placed = true;  // it tells where in the world the voxels are
 };
 
-constexpr char kCsv[] = ".csv", kNpy[] = ".npy", kPly[] = ".ply";
+constexpr char kCsv[] = ".csv", kNpy[] = ".npy", kPly[] = ".ply", kMhd[] = ".mhd", kNiiGz[] = ".nii.gz";
 
 constexpr Format kFormats[] = {
-    {".vdb", NewVdbOutput, Holds::kFixed},
-    {".nvdb", NewNvdbOutput, Holds::kNone},
-    {kCsv, NewTable<kCsv>, Holds::kAll},
-    {kNpy, NewNpyOutput, Holds::kAll, /*is_placed=*/false},
-    {".npz", NewArchiveOutput, Holds::kAll},
-    {kPly, NewTable<kPly>, Holds::kAll},
-    {".png", NewPngOutput, Holds::kFixed, /*is_placed=*/false},
-    {".html", NewHtmlOutput, Holds::kFixed},
-    {".glb", NewPlainOutput<NewGlbOutput>, Holds::kColor},
-    {".binvox", NewPlainOutput<NewBinvoxOutput>, Holds::kNone},
-    {".vox", NewPlainOutput<NewVoxOutput>, Holds::kNone, /*is_placed=*/false},
+    {".vdb", "OpenVDB", NewVdbOutput, Holds::kFixed},
+    {".nvdb", "NanoVDB", NewNvdbOutput, Holds::kNone},
+    {kCsv, "table", NewTable<kCsv>, Holds::kAll},
+    {kNpy, "NumPy", NewNpyOutput, Holds::kAll, /*is_placed=*/false},
+    {".npz", "NumPy, dense and placed", NewArchiveOutput, Holds::kAll},
+    {kPly, "points", NewTable<kPly>, Holds::kAll},
+    {".png", "picture", NewPngOutput, Holds::kFixed, /*is_placed=*/false},
+    {".html", "page", NewHtmlOutput, Holds::kFixed},
+    {".glb", "surface of cells", NewPlainOutput<NewGlbOutput>, Holds::kColor},
+    {".binvox", "binvox", NewCubeOutput, Holds::kNone},
+    {".vox", "MagicaVoxel", NewPlainOutput<NewVoxOutput>, Holds::kNone, /*is_placed=*/false},
+    {".vti", "VTK, cells of a box", NewCellOutput, Holds::kFixed},
+    {".vtu", "VTK, points", NewPointOutput, Holds::kAll},
+    {".nrrd", "NRRD", NewImage<ImageFormat::kNrrd>, Holds::kOne},
+    {".mha", "MetaImage", NewImage<ImageFormat::kMetaImage>, Holds::kOne},
+    {kMhd, "MetaImage with a .raw beside it", NewImage<ImageFormat::kMetaPair>, Holds::kOne},
+    {".nii", "NIfTI-1", NewImage<ImageFormat::kNifti>, Holds::kOne},
+    {kNiiGz, "NIfTI-1, compressed", NewImage<ImageFormat::kNiftiGzip>, Holds::kOne},
 };
 
 bool CanHold(const Format& format, const std::vector<Field>& fields) {
   if (fields.empty() || format.holds == Holds::kAll) return true;
   if (format.holds == Holds::kFixed) return !CarriesLinks(fields);
+  if (format.holds == Holds::kOne) return FitsOneArray(fields);
   return format.holds == Holds::kColor && fields == std::vector<Field>{Field::kColor};
-}
-
-std::string ExtensionOf(const std::string& path) {
-  return absl::AsciiStrToLower(std::filesystem::path(path).extension().string());
 }
 
 absl::Status WrongExtension(const std::string& path, const std::vector<std::string>& extensions) {
@@ -196,6 +230,13 @@ absl::Status WrongExtension(const std::string& path, const std::vector<std::stri
 }
 
 }  // namespace
+
+std::string ExtensionOf(const std::string& path) {
+  if (absl::EndsWithIgnoreCase(path, kNiiGz)) return kNiiGz;
+  return absl::AsciiStrToLower(std::filesystem::path(path).extension().string());
+}
+
+bool FitsOneArray(const std::vector<Field>& fields) { return fields.size() <= 1 && !CarriesLinks(fields); }
 
 std::vector<std::string> ExtensionsFor(const std::vector<Field>& fields) {
   std::vector<std::string> extensions;
@@ -212,6 +253,20 @@ bool HasExtension(const std::string& path, const std::vector<std::string>& exten
 const std::vector<std::string>& OutputExtensions() {
   static const auto* const kExtensions = new std::vector<std::string>(ExtensionsFor({}));
   return *kExtensions;
+}
+
+const std::vector<std::string>& ShapedExtensions() {
+  static const auto* const kExtensions =
+      new std::vector<std::string>{kNpy, ".npz", ".binvox", ".vti", ".nrrd", ".mha", kMhd, ".nii", kNiiGz};
+  return *kExtensions;
+}
+
+std::vector<std::pair<std::string, std::string>> StreamedFormats() {
+  std::vector<std::pair<std::string, std::string>> formats;
+  for (const Format& format : kFormats) {
+    if (format.extension != kMhd) formats.emplace_back(format.extension + 1, format.what);
+  }
+  return formats;
 }
 
 std::optional<Warning> WarningOfPlace(const std::vector<std::string>& paths) {

@@ -6,10 +6,12 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "client/tool/output/box_shape.h"
 #include "latvox/grid/carried_names.h"
 #include "latvox/grid/grid_content.h"
 #include "latvox/mesh_files/up_axis.h"
@@ -41,13 +43,27 @@ using MakePage =
 // Options of an output besides its extension.
 struct OutputOptions {
   bool dense_npy = false;
+  BoxShape shape = {};             // of dense arrays
   UpAxis picture_up = UpAxis::kY;  // axis of the world that points up in a .png or .html
   MeshNote note = {};              // of the mesh, for the metadata of grids
   MakePage make_page = nullptr;    // of a .html, which needs it
 };
 
+// Returns the extension, with the dot, in lower case. ".nii.gz" is one.
+std::string ExtensionOf(const std::string& path);
+
+// Returns whether an array with one element per lattice point can hold the fields: none, or one that is not of links.
+bool FitsOneArray(const std::vector<Field>& fields);
+
 // Returns the extensions that OpenOutput supports, with the dot.
 const std::vector<std::string>& OutputExtensions();
+
+// Returns the extensions of the formats that have OutputOptions::shape; a .npy only if it is dense.
+const std::vector<std::string>& ShapedExtensions();
+
+// Returns the formats that are one file, and so can be sent to standard output: the extension without the dot, and what
+// it is.
+std::vector<std::pair<std::string, std::string>> StreamedFormats();
 
 // Returns the extensions that support voxels with these fields. Except pictures, these formats store them.
 std::vector<std::string> ExtensionsFor(const std::vector<Field>& fields);
@@ -70,19 +86,23 @@ std::optional<Warning> WarningOfPlace(const std::vector<std::string>& paths);
 //   .html  page, as that of the .vdb
 //   .glb   surface, see client/tool/output/surface_output.h
 //   .binvox, .vox   boxes of cubes, see client/tool/output/box_output.h
-// A request with fields needs one of ExtensionsFor: fields of links fit .csv, .npy, .npz and .ply alone. Columns are
-// those of client/tool/output/field_columns.h:
+//   .vti, .vtu   cells of a box, and points: see client/tool/output/vtk_output.h
+//   .nrrd, .mha, .mhd, .nii, .nii.gz   images in space, see client/tool/output/image_output.h
+// A request with fields needs one of ExtensionsFor: fields of links fit .csv, .npy, .npz, .ply and .vtu alone. Columns
+// are those of client/tool/output/field_columns.h:
 //   .vdb   one more grid for each, see latvox/grid/field_grids.h; a band with distances alone, see distance_grid.h
 //   .csv   further columns, floats with 9 significant digits; part_name, material_name, if there are names
-//   .npy   structured array: ijk, three int32, and one member for each field, with its name
+//   .npy   structured array: ijk, three int32, and one member for each field, with its name; dense: one field
 //   .npz   one more array for each, with its name; for fields of links, of the voxels alone, with ijk and neighbors
 //   .ply   further properties
 //   .png   picture of voxels in their colors, otherwise by material, otherwise by part; of a band with distances, the
 //          voxels nearest to the surface, see client/tool/output/picture_scene.h
 //   .glb   colors of the surface's vertices; no other fields
+//   .vti, .vtu   arrays
+//   images   one field
 // Voxels come in the order of the stream, those of a brick in lexicographic order. Memory does not grow with the
-// voxels, except for .vdb, .nvdb, .html, dense .npy, .npz, .glb, .binvox and .vox. Errors: INVALID_ARGUMENT
-// (extension); FAILED_PRECONDITION (the file cannot be created).
+// voxels, except for .vdb, .nvdb, .html, .glb, .binvox, .vox and dense arrays: .npy, .npz, .vti and images, and .vtu.
+// Errors: INVALID_ARGUMENT (extension); FAILED_PRECONDITION (the file cannot be created).
 absl::StatusOr<std::unique_ptr<Output>> OpenOutput(const std::string& path, const VoxelizeRequest& request = {},
                                                    const OutputOptions& options = {});
 

@@ -46,7 +46,7 @@ class TableOutput : public Output {
   }
 
   absl::Status Finish(const Summary&) final {
-    if (auto status = file_->WriteAtStart(Header(voxels_)); !status.ok()) return status;
+    if (auto status = file_->Overwrite(0, Header(voxels_)); !status.ok()) return status;
     return file_->Sync();
   }
 
@@ -175,7 +175,7 @@ class NpyOutput final : public TableOutput {
     std::string type = "[('ijk', '<i4', (3,))";
     for (const Field field : fields_) {
       const size_t components = ColumnsOf(field, neighbors_).size();
-      absl::StrAppend(&type, ", ('", NameOf(field), "', '", NumpyTypeOf(field), "'",
+      absl::StrAppend(&type, ", ('", NameOf(field), "', '", NumpyTypeOf(FactsOf(field).type), "'",
                       components > 1 ? absl::StrCat(", (", components, ",)") : "", ")");
     }
     return NpyHeader(type + "]", std::array<uint64_t, 1>{rows});

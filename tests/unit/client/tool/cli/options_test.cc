@@ -336,7 +336,8 @@ TEST(Options, RefusalsOfSetsNameOptionValueAndLimit) {
   Refuses({"--resolution", "9", "--rule", "winding"}, {"--rule", "--set solid", "surface"});
   Refuses({"--resolution", "9", "--set", "band"}, {"--set", "band", "--band W"});
   Refuses({"--resolution", "9", "--set", "solid", "--band", "2v"}, {"--band", "--set band", "solid"});
-  Refuses({"--resolution", "9", "--band", "2v", "--npy", "dense", "-o", "a.npy"}, {"--npy", "dense", "--fields"});
+  Refuses({"--resolution", "9", "--band", "2v", "--npy", "dense", "-o", "a.npy", "--fields", "distance,part"},
+          {"--npy", "dense", "one field"});
   Refuses({"--resolution", "9", "--fields", "part,shape"}, {"--fields", "shape", "part", "normal"});
   Refuses({"--resolution", "9", "--fields", "part,part"}, {"--fields", "part", "twice"});
   Refuses({"--resolution", "9", "--fields", "triangle", "--upload", "draco"}, {"--fields", "triangle", "--upload raw"});
@@ -370,6 +371,29 @@ TEST(Options, RefusalsOfFilesNameOptionValueAndLimit) {
   Refuses({"--resolution", "9", "-o", "./out.vdb"}, {"out.vdb", "twice"});
 }
 
+TEST(Options, ShapesNeedAnArrayWithAShape) {
+  const VoxelizeOptions options = Parse({"--dims", "64,48,40", "--pad", "3", "-o", "a.nrrd"});
+  EXPECT_EQ(options.output_options.shape, (BoxShape{.pad = 3, .dims = Vec3i{64, 48, 40}}));
+  EXPECT_EQ(options.request.resolution, 34U);
+  EXPECT_EQ(Parse({"--dims", "64,48,40", "--voxel-size", "1", "-o", "a.nii.gz"}).request.resolution, std::nullopt);
+  EXPECT_EQ(Parse({"--pad", "1", "-o", "a.npy", "--npy", "dense"}).request.resolution, 256U);
+  Refuses({"--dims", "9,9"}, {"--dims", "9,9", "3 whole numbers"});
+  Refuses({"--dims", "9,0,9"}, {"--dims", "9,0,9", "from 1 to 1048576"});
+  Refuses({"--pad", "-1"}, {"--pad", "-1", "0 to 65536"});
+  Refuses({"--dims", "9,9,9", "--pad", "4", "-o", "a.npz"}, {"--dims", "9,9,9", "leaves 1", "least is 2"});
+  Refuses({"--dims", "9,9,9", "-o", "a.npy"}, {"--dims", "needs an output", ".nrrd", "--npy dense"});
+  Refuses({"--pad", "1", "-o", "a.csv"}, {"--pad", ".npz", ".vti"});
+}
+
+TEST(Options, ImagesHoldOneFieldAndCellsBoxes) {
+  EXPECT_EQ(Refusal({"--resolution", "9", "--fields", "part", "-o", "a.nii.gz"}), "accepted");
+  EXPECT_EQ(Refusal({"--voxel-size", "1,1,2", "-o", "a.vti"}), "accepted");
+  Refuses({"--resolution", "9", "--fields", "part,normal", "-o", "a.mha"},
+          {"a.mha", "part,normal", ".vdb .csv .npy .npz .ply .png .html .vti .vtu can"});
+  Refuses({"--resolution", "9", "--fields", "links", "-o", "a.vti"}, {"links", ".csv .npy .npz .ply .vtu can"});
+  Refuses({"--resolution", "9", "--lattice", "bcc", "-o", "a.VTI"}, {"a.VTI", "--lattice cartesian", ".vtu"});
+}
+
 TEST(Options, RefusalsOfRunsNameOptionValueAndLimit) {
   Refuses({"--resolution", "9", "--threads", "0"}, {"--threads", "\"0\""});
   Refuses({"--resolution", "9", "--timeout", "-1"}, {"--timeout", "-1"});
@@ -401,7 +425,8 @@ TEST(Options, ABandIsInWorldUnitsOrInVoxels) {
   EXPECT_THAT(Refusal({"--resolution", "9", "--signed"}), AllOf(HasSubstr("--signed"), HasSubstr("--fields distance")));
   for (const char* output : {"a.nvdb", "a.glb", "a.binvox", "a.vox"}) {
     EXPECT_THAT(Refusal({"--resolution", "9", "--band", "1", "-o", output}),
-                HasSubstr(std::string(output) + " cannot hold distance; .vdb .csv .npy .npz .ply .png .html can"));
+                HasSubstr(std::string(output) + " cannot hold distance; .vdb .csv .npy .npz .ply .png .html .vti .vtu "
+                                                ".nrrd .mha .mhd .nii .nii.gz can"));
   }
 }
 

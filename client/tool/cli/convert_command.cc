@@ -1,0 +1,155 @@
+#include "client/tool/cli/convert_command.h"
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "absl/strings/str_split.h"
+#include "client/tool/cli/common_options.h"
+#include "client/tool/confined/foreign_grid.h"
+#include "latvox/grid/carried_names.h"
+#include "latvox/grid/grid_content.h"
+
+namespace latvox::client {
+namespace {
+
+constexpr char kNone[] = "none";
+
+// Those that need neither the request nor a picture's options: latvox render, slice and view make pictures and pages.
+std::vector<std::string> Extensions() {
+  std::vector<std::string> extensions = OutputExtensions();
+  std::erase_if(extensions, [](const std::string& each) {
+    return each == ".vdb" || each == ".nvdb" || each == ".png" || each == ".html";
+  });
+  return extensions;
+}
+
+std::optional<Field> FieldNamed(absl::string_view name) {
+  for (const FieldFacts& facts : kFields) {
+    if (name == facts.name && !facts.is_of_links()) return facts.field;
+  }
+  return std::nullopt;
+}
+
+std::string CheckFields(const std::string& text) {
+  if (text == kNone) return "";
+  for (const absl::string_view name : absl::StrSplit(text, ',')) {
+    if (!FieldNamed(name)) return absl::StrCat("\"", name, "\" is neither none nor a field that a .vdb holds");
+  }
+  return "";
+}
+
+std::string Join(const std::vector<Field>& fields) {
+  return absl::StrJoin(fields, ",", [](std::string* out, Field field) { *out += NameOf(field); });
+}
+
+// Keeps these fields, in their order. Errors: INVALID_ARGUMENT: the file lacks one.
+absl::Status Select(const std::vector<Field>& fields, const std::string& path, GridContent& content) {
+  std::vector<FieldValues> selected;
+  for (const Field field : fields) {
+    const FieldValues* const values = FindField(content.fields, field);
+    if (values == nullptr) return absl::InvalidArgumentError(absl::StrCat(path, ": has no field ", NameOf(field)));
+    selected.push_back(*values);
+  }
+  content.fields = std::move(selected);
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::unique_ptr<Output>> Open(const std::string& path, const std::vector<Field>& fields,
+                                             const OutputOptions& options) {
+  std::vector<std::string> able = ExtensionsFor(fields);
+  const bool fits = !options.dense_npy || !HasExtension(path, {".npy"}) || FitsOneArray(fields);
+  if (!HasExtension(path, able) || !fits) {
+    const std::vector<std::string> known = Extensions();
+    std::erase_if(able, [&known](const std::string& each) { return !HasExtension("a" + each, known); });
+    return absl::InvalidArgumentError(absl::StrCat(path, ": cannot hold ", Join(fields), "; ", absl::StrJoin(able, " "),
+                                                   " can, and --fields selects some"));
+  }
+  VoxelizeRequest request;
+  request.fields = fields;
+  return OpenOutput(path, request, options);
+}
+
+std::string Metadatum(const GridFileInfo& info, absl::string_view name) {
+  const auto is_it = [name](const auto& entry) { return entry.first == name; };
+  const auto found = std::find_if(info.metadata.begin(), info.metadata.end(), is_it);
+  return found == info.metadata.end() ? "" : found->second;
+}
+
+// Returns what the file tells about its voxels.
+Summary SummaryOf(const GridFileInfo& info, uint64_t bricks) {
+  Summary summary;
+  summary.voxels = info.active_voxels;
+  summary.bricks = bricks;
+  summary.certificate.lattice = Metadatum(info, "latvox_lattice");
+  summary.certificate.digest = Metadatum(info, "latvox_digest");
+  summary.certificate.version = Metadatum(info, "latvox_version");
+  if (!absl::SimpleAtoi(Metadatum(info, "latvox_separability"), &summary.certificate.separability)) {
+    summary.certificate.separability = 0;
+  }
+  return summary;
+}
+
+}  // namespace
+
+void AddConvertOptions(CommandParser& command, ConvertWords& words) {
+  command.Add({{.names = "file", .target = &words.input, .help = "OpenVDB file", .value = "IN.vdb", .required = true},
+               OutputRow(Extensions(), words.outputs, /*several=*/true),
+               {.names = "--fields",
+                .target = &words.fields,
+                .help = "Fields of the file to write, or none",
+                .value = "NAME,...",
+                .checks = {{CheckFields}},
+                .standard = "all"}});
+  command.Add(ShapeRows(words.shape));
+}
+
+ConvertOptions Interpret(const ConvertWords& words) {
+  CheckOutputs(words.outputs, words.input, "file");
+  ConvertOptions options = {words.input, words.outputs, std::nullopt, {}};
+  if (words.fields == kNone) options.fields.emplace();
+  if (!words.fields.empty() && words.fields != kNone) {
+    options.fields.emplace();
+    for (const absl::string_view name : absl::StrSplit(words.fields, ',')) options.fields->push_back(*FieldNamed(name));
+  }
+  InterpretShape(words.shape, words.outputs, options.output_options);
+  return options;
+}
+
+absl::StatusOr<std::string> RunConvert(const ConvertOptions& options, const Cancellation& cancellation) {
+  auto content = ReadForeignContent(options.input, /*values=*/true, cancellation);
+  if (!content.ok()) return content.status();
+  if (options.fields) {
+    if (auto status = Select(*options.fields, options.input, *content); !status.ok()) return status;
+  }
+  std::vector<Field> fields;
+  for (const FieldValues& values : content->fields) fields.push_back(values.field);
+  const GridFileInfo& info = content->file.info;
+  Accepted accepted;
+  accepted.grid = info.transform;
+  accepted.index_box = info.active_box;
+  std::vector<std::unique_ptr<Output>> outputs;
+  for (const std::string& path : options.outputs) {
+    auto output = Open(path, fields, options.output_options);
+    if (!output.ok()) return output.status();
+    (*output)->SetNames(ReadCarriedNames(info));
+    if (auto status = (*output)->Begin(accepted); !status.ok()) return status;
+    outputs.push_back(*std::move(output));
+  }
+  for (const auto& output : outputs) {
+    if (auto status = output->Add(content->Batch()); !status.ok()) return status;
+    if (auto status = output->Finish(SummaryOf(info, content->file.bricks.size())); !status.ok()) return status;
+    if (cancellation.cancelled()) return absl::CancelledError("cancelled");
+  }
+  for (const auto& output : outputs) {
+    if (auto status = output->Commit(); !status.ok()) return status;
+  }
+  return absl::StrCat(options.input, ": ", info.active_voxels, " voxels",
+                      fields.empty() ? "" : absl::StrCat(" with ", Join(fields)), "\nwrote ",
+                      absl::StrJoin(options.outputs, ", "), "\n");
+}
+
+}  // namespace latvox::client

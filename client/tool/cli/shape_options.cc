@@ -1,0 +1,64 @@
+#include "client/tool/cli/shape_options.h"
+
+#include <algorithm>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "client/tool/cli/common_options.h"
+
+namespace latvox::client {
+namespace {
+
+constexpr int kMaxDim = 1 << 20, kMaxPad = 1 << 16;
+
+std::string CheckDims(const std::string& text) {
+  Vec3i dims;
+  const auto is_wrong = [](int32_t n) { return n < 1 || n > kMaxDim; };
+  if (ParseNumbers(text, dims) && std::none_of(dims.begin(), dims.end(), is_wrong)) return "";
+  return absl::StrCat("\"", text, "\" is not 3 whole numbers from 1 to ", kMaxDim, " with commas between them");
+}
+
+}  // namespace
+
+std::vector<OptionRow> ShapeRows(ShapeWords& words) {
+  return {
+      {.names = "--npy",
+       .target = &words.npy,
+       .help = "Content of a .npy: one row of coordinates per voxel, or a dense box of 0 and 1, or of one field",
+       .words = {"coordinates", "dense"},
+       .word_help = {"one row per voxel", "a box of 0 and 1, or of one field"},
+       .standard = "coordinates"},
+      {.names = "--dims",
+       .target = &words.dims,
+       .help = absl::StrCat("Shape of dense arrays: this many points along i, j and k, with the voxels in the middle; "
+                            "for ",
+                            absl::StrJoin(ShapedExtensions(), " ")),
+       .value = "NI,NJ,NK",
+       .checks = {{CheckDims}},
+       .standard = "the voxels' box"},
+      {.names = "--pad",
+       .target = &words.pad,
+       .help = "Empty points of dense arrays beyond the voxels' box, on each side",
+       .value = "N",
+       .checks = {Whole(0, kMaxPad)},
+       .standard = "0"}};
+}
+
+void InterpretShape(const ShapeWords& words, const std::vector<std::string>& outputs, OutputOptions& options) {
+  const auto is_npy = [](const std::string& path) { return HasExtension(path, {".npy"}); };
+  if (!words.npy.empty() && std::none_of(outputs.begin(), outputs.end(), is_npy)) {
+    Refuse("--npy: ", words.npy, " requires a .npy output, and --out names none");
+  }
+  options.dense_npy = words.npy == "dense";
+  if (!words.dims.empty()) ParseNumbers(words.dims, options.shape.dims.emplace());
+  if (!words.pad.empty()) ParseNumber(words.pad, options.shape.pad);
+  if (options.shape == BoxShape()) return;
+  const auto has_shape = [&](const std::string& path) {
+    return HasExtension(path, ShapedExtensions()) && (options.dense_npy || !is_npy(path));
+  };
+  if (std::any_of(outputs.begin(), outputs.end(), has_shape)) return;
+  Refuse(words.dims.empty() ? "--pad" : "--dims",
+         ": needs an output with a shape: ", absl::StrJoin(ShapedExtensions(), " "), "; for .npy, also --npy dense");
+}
+
+}  // namespace latvox::client

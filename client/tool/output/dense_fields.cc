@@ -1,0 +1,86 @@
+#include "client/tool/output/dense_fields.h"
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+#include <optional>
+
+#include "client/tool/output/field_columns.h"
+
+namespace latvox::client {
+namespace {
+
+template <class T>
+std::string BytesOf(const T& value) {
+  return {reinterpret_cast<const char*>(&value), sizeof(value)};
+}
+
+// Returns the bytes of a component where there is no voxel.
+std::string EmptyOf(NumberType type) {
+  if (type == NumberType::kFloat32) return BytesOf(std::numeric_limits<float>::quiet_NaN());
+  if (type == NumberType::kUint32) return BytesOf(int32_t{-1});
+  return type == NumberType::kUint16 ? BytesOf(uint16_t{0}) : BytesOf(uint8_t{0});
+}
+
+}  // namespace
+
+DenseFields::DenseFields(const std::vector<Field>& fields, DenseOrder order, const BoxShape& shape)
+    : shape_(shape), box_(order) {
+  for (const Field field : fields) fields_.push_back({field, {}});
+}
+
+absl::Status DenseFields::Begin(const Accepted& accepted, const std::string& target) {
+  target_ = target;
+  grid_ = accepted.grid;
+  std::optional<IndexBox> box = accepted.index_box;
+  if (shape_.dims) {
+    box = IndexBox{{0, 0, 0}, *shape_.dims};  // their number is certain, their place is not
+  } else if (box) {
+    const auto shaped = ShapedBox(*box, shape_, target);
+    if (!shaped.ok()) return shaped.status();
+    box = *shaped;
+  }
+  return SetBox(box);
+}
+
+absl::Status DenseFields::SetBox(const std::optional<IndexBox>& box) {
+  uint64_t element = 1;
+  for (const DenseArray& array : Arrays()) element = std::max<uint64_t>(element, array.empty.size());
+  return box_.SetBox(box, element, target_);
+}
+
+absl::Status DenseFields::Add(const BrickBatch& batch) {
+  box_.Add(batch);
+  for (size_t n = 0; n < fields_.size(); ++n) {
+    const std::vector<std::byte>& more = batch.fields[n].bytes;
+    fields_[n].bytes.insert(fields_[n].bytes.end(), more.begin(), more.end());
+  }
+  if (!shape_.dims) return absl::OkStatus();
+  for (const Brick& brick : batch.bricks) voxels_.Add(brick);
+  return voxels_.box() ? ShapedBox(*voxels_.box(), shape_, target_).status() : absl::OkStatus();
+}
+
+absl::Status DenseFields::Finish() {
+  box_.Sort();
+  if (!voxels_.box()) return absl::OkStatus();
+  const auto box = ShapedBox(*voxels_.box(), shape_, target_);
+  return box.ok() ? SetBox(*box) : box.status();
+}
+
+std::vector<DenseArray> DenseFields::Arrays() const {
+  std::vector<DenseArray> arrays = {
+      {"data", NumberType::kUint8, 1, std::string(1, '\0'), [](uint64_t, char* element) { *element = 1; }}};
+  for (const FieldValues& values : fields_) {
+    const FieldFacts& facts = FactsOf(values.field);
+    if (facts.is_of_links()) continue;
+    std::string empty;
+    for (size_t n = 0; n < facts.components; ++n) empty += EmptyOf(facts.type);
+    arrays.push_back({facts.name, facts.type, facts.components, empty,
+                      [&values, bytes = values.bytes_of_voxel()](uint64_t n, char* to) {
+                        std::memcpy(to, BytesAt(values, n), bytes);
+                      }});
+  }
+  return arrays;
+}
+
+}  // namespace latvox::client

@@ -1,0 +1,69 @@
+// The voxels of a box and their fields as dense arrays.
+#ifndef LATVOX_CLIENT_TOOL_OUTPUT_DENSE_FIELDS_H_
+#define LATVOX_CLIENT_TOOL_OUTPUT_DENSE_FIELDS_H_
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "client/tool/output/box_shape.h"
+#include "client/tool/output/dense_box.h"
+#include "latvox/types.h"
+
+namespace latvox::client {
+
+// One array over all lattice points of a box.
+struct DenseArray {
+  std::string name;
+  NumberType type;    // of a component; kUint32 stands for int32, because numbers are below 2^31
+  size_t components;  // of an element
+  std::string empty;  // bytes of an element that is not a voxel
+  std::function<void(uint64_t n, char* element)> put;
+
+  uint64_t bytes(const DenseBox& box) const { return box.rows() * box.row_elements() * empty.size(); }
+};
+
+// Collects voxels and fields. Memory: 88 bytes for each brick, and the fields. Not thread-safe.
+class DenseFields {
+ public:
+  DenseFields(const std::vector<Field>& fields, DenseOrder order, const BoxShape& shape);
+  DenseFields(const DenseFields&) = delete;
+  DenseFields& operator=(const DenseFields&) = delete;
+
+  // Errors: those of DenseBox::SetBox. Afterward, box() has its final shape.
+  absl::Status Begin(const Accepted& accepted, const std::string& target);
+
+  // Errors: those of ShapedBox, as soon as the voxels do not fit.
+  absl::Status Add(const BrickBatch& batch);
+
+  // Call it after the last batch, and then box(), corner() and Arrays().
+  absl::Status Finish();
+
+  // Returns `data`, uint8, 1 for a voxel and 0 elsewhere; then an array for each field except those of links, with the
+  // field's name. Where there is no voxel, floats are NaN, int32 are -1, and other numbers 0.
+  std::vector<DenseArray> Arrays() const;
+
+  DenseBox& box() { return box_; }
+  const GridTransform& grid() const { return grid_; }
+  const std::vector<FieldValues>& values() const { return fields_; }  // of each field, in the order of Add
+
+  // Returns the world position of the first element, which is a voxel's center.
+  Vec3d corner() const { return grid_.ToWorld(box_.low()); }
+
+ private:
+  absl::Status SetBox(const std::optional<IndexBox>& box);
+
+  const BoxShape shape_;
+  std::string target_;
+  VoxelBox voxels_;  // of all that were added, if there are dims
+  GridTransform grid_;
+  DenseBox box_;
+  std::vector<FieldValues> fields_;
+};
+
+}  // namespace latvox::client
+
+#endif  // LATVOX_CLIENT_TOOL_OUTPUT_DENSE_FIELDS_H_

@@ -1,0 +1,47 @@
+// The heads of files of images in space: NRRD, MetaImage, NIfTI.
+#ifndef LATVOX_CLIENT_TOOL_OUTPUT_IMAGE_HEADER_H_
+#define LATVOX_CLIENT_TOOL_OUTPUT_IMAGE_HEADER_H_
+
+#include <array>
+#include <cstdint>
+#include <string>
+
+#include "latvox/types.h"
+
+namespace latvox::client {
+
+// An array over a box of lattice points, i fastest.
+struct ImageFacts {
+  Basis basis;                         // steps along i, j, k
+  Vec3d corner;                        // world position of the first element
+  std::array<uint64_t, 3> shape = {};  // along i, j, k; each at least 1
+  NumberType type;                     // of a component; kUint32 stands for int32
+  size_t components = 1;
+  std::string name;  // of the field, or "data"
+};
+
+// NRRD0005, up to the empty line; the data follow in gzip. `space directions` are the basis. The space is
+// left-posterior-superior, because ITK and Slicer take positions in meshes for that: so mesh and voxels lie on each
+// other. Components come first among the axes.
+std::string NrrdHeader(const ImageFacts& image);
+
+// MetaImage. Rows of TransformMatrix are the unit vectors of the basis, ElementSpacing are their lengths. ITK takes
+// positions for left-posterior-superior, too.
+//   compressed_bytes   length of the zlib stream that follows; the header's length does not depend on it
+std::string MetaImageHeader(const ImageFacts& image, uint64_t compressed_bytes);
+
+// The same for data as they are, in another file.
+std::string MetaImageHeader(const ImageFacts& image, const std::string& data_file);
+
+// Limit of a side in NIfTI-1.
+inline constexpr uint64_t kMostNiftiSide = 32767;
+
+// NIfTI-1 of one file: 352 bytes. sform is the basis, in floats; its code says "aligned to another file", the mesh.
+// There is no qform, because a quaternion knows only right angles. Colors are RGB24; other components are the fifth
+// dimension, so that all elements of one component come before those of the next.
+// Precondition: no side exceeds kMostNiftiSide.
+std::string NiftiHeader(const ImageFacts& image);
+
+}  // namespace latvox::client
+
+#endif  // LATVOX_CLIENT_TOOL_OUTPUT_IMAGE_HEADER_H_

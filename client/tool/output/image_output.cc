@@ -1,0 +1,143 @@
+#include "client/tool/output/image_output.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "client/tool/output/deflater.h"
+#include "client/tool/output/dense_fields.h"
+#include "client/tool/output/image_header.h"
+
+namespace latvox::client {
+namespace {
+
+// A component of an array, as an array.
+DenseArray Component(const DenseArray& array, size_t component) {
+  const size_t bytes = array.empty.size() / array.components;
+  const auto put = [whole = array.put, size = array.empty.size(), bytes, component](uint64_t n, char* to) {
+    std::string element(size, '\0');
+    whole(n, element.data());
+    element.copy(to, bytes, component * bytes);
+  };
+  return {array.name, array.type, 1, array.empty.substr(0, bytes), put};
+}
+
+class ImageOutput final : public Output {
+ public:
+  ImageOutput(std::unique_ptr<AtomicFile> file, ImageFormat format, const std::vector<Field>& fields,
+              const BoxShape& shape)
+      : file_(std::move(file)), format_(format), fields_(fields, DenseOrder::kFirstFastest, shape) {}
+
+  absl::Status Begin(const Accepted& accepted) override {
+    Accepted placed = accepted;
+    if (!placed.index_box) placed.index_box = IndexBox{{0, 0, 0}, {1, 1, 1}};
+    if (auto status = fields_.Begin(placed, file_->target()); !status.ok()) return status;
+    if (is_nifti()) {
+      const auto& shape = fields_.box().shape();
+      const size_t axis = static_cast<size_t>(std::max_element(shape.begin(), shape.end()) - shape.begin());
+      if (shape[axis] > kMostNiftiSide) {
+        return absl::ResourceExhaustedError(absl::StrCat(file_->target(), ": ", shape[axis], " elements along ",
+                                                         std::string(1, "ijk"[axis]), " exceed NIfTI's ",
+                                                         kMostNiftiSide, "; .nrrd .mha .npz can hold them"));
+      }
+    }
+    if (format_ != ImageFormat::kMetaPair) return absl::OkStatus();
+    auto data = AtomicFile::Create(std::filesystem::path(file_->target()).replace_extension(".raw").string());
+    if (!data.ok()) return data.status();
+    data_ = *std::move(data);
+    return absl::OkStatus();
+  }
+
+  absl::Status Add(const BrickBatch& batch) override { return fields_.Add(batch); }
+
+  absl::Status Finish(const Summary&) override {
+    if (auto status = fields_.Finish(); !status.ok()) return status;
+    const DenseArray array = fields_.Arrays().back();
+    const ImageFacts image = {fields_.grid().basis, fields_.corner(), fields_.box().shape(),
+                              array.type,           array.components, array.name};
+    if (auto status = Write(image, array); !status.ok()) return status;
+    if (data_ != nullptr) {
+      if (auto status = data_->Sync(); !status.ok()) return status;
+    }
+    return file_->Sync();
+  }
+
+  // The data come first: a header never names data that are not there.
+  absl::Status Commit() override {
+    if (data_ != nullptr) {
+      if (auto status = data_->Commit(); !status.ok()) return status;
+    }
+    return file_->Commit();
+  }
+
+ private:
+  bool is_nifti() const { return format_ == ImageFormat::kNifti || format_ == ImageFormat::kNiftiGzip; }
+
+  absl::Status Write(const ImageFacts& image, const DenseArray& array) {
+    const auto plain = [this](std::string_view bytes) { return file_->Append(bytes); };
+    switch (format_) {
+      case ImageFormat::kNrrd: {
+        if (auto status = file_->Append(NrrdHeader(image)); !status.ok()) return status;
+        return WriteDeflated("", array, Deflater::Form::kGzip).status();
+      }
+      case ImageFormat::kMetaImage: {
+        if (auto status = file_->Append(MetaImageHeader(image, 0)); !status.ok()) return status;
+        const auto bytes = WriteDeflated("", array, Deflater::Form::kZlib);
+        if (!bytes.ok()) return bytes.status();
+        return file_->Overwrite(0, MetaImageHeader(image, *bytes));
+      }
+      case ImageFormat::kMetaPair: {
+        const std::string name = std::filesystem::path(data_->target()).filename().string();
+        if (auto status = file_->Append(MetaImageHeader(image, name)); !status.ok()) return status;
+        return WriteRows(array, [this](std::string_view bytes) { return data_->Append(bytes); });
+      }
+      case ImageFormat::kNifti: {
+        if (auto status = file_->Append(NiftiHeader(image)); !status.ok()) return status;
+        return WriteRows(array, plain);
+      }
+      case ImageFormat::kNiftiGzip:
+        break;
+    }
+    return WriteDeflated(NiftiHeader(image), array, Deflater::Form::kGzip).status();
+  }
+
+  // Returns the bytes of the compressed stream.
+  absl::StatusOr<uint64_t> WriteDeflated(std::string_view before, const DenseArray& array, Deflater::Form form) {
+    Deflater deflater(*file_, form);
+    if (auto status = deflater.Append(before); !status.ok()) return status;
+    const auto append = [&deflater](std::string_view bytes) { return deflater.Append(bytes); };
+    if (auto status = WriteRows(array, append); !status.ok()) return status;
+    if (auto status = deflater.Finish(); !status.ok()) return status;
+    return deflater.bytes();
+  }
+
+  template <class Append>
+  absl::Status WriteRows(const DenseArray& array, const Append& append) {
+    const bool by_component = is_nifti() && array.components > 1 && array.type != NumberType::kUint8;
+    std::string chunk;
+    for (size_t n = 0; n < (by_component ? array.components : 1); ++n) {
+      const DenseArray part = by_component ? Component(array, n) : array;
+      DenseRows rows(fields_.box(), part.empty, part.put);
+      for (rows.Next(chunk); !chunk.empty(); rows.Next(chunk)) {
+        if (auto status = append(chunk); !status.ok()) return status;
+      }
+    }
+    return absl::OkStatus();
+  }
+
+  std::unique_ptr<AtomicFile> file_, data_;  // data_: of kMetaPair
+  const ImageFormat format_;
+  DenseFields fields_;
+};
+
+}  // namespace
+
+std::unique_ptr<Output> NewImageOutput(std::unique_ptr<AtomicFile> file, ImageFormat format,
+                                       const std::vector<Field>& fields, const BoxShape& shape) {
+  return std::make_unique<ImageOutput>(std::move(file), format, fields, shape);
+}
+
+}  // namespace latvox::client

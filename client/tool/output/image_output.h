@@ -1,0 +1,33 @@
+// Images in space, as ITK, Slicer and readers of medical images take them.
+#ifndef LATVOX_CLIENT_TOOL_OUTPUT_IMAGE_OUTPUT_H_
+#define LATVOX_CLIENT_TOOL_OUTPUT_IMAGE_OUTPUT_H_
+
+#include <memory>
+#include <vector>
+
+#include "client/tool/output/atomic_file.h"
+#include "client/tool/output/box_shape.h"
+#include "client/tool/output/output.h"
+
+namespace latvox::client {
+
+enum class ImageFormat {
+  kNrrd,       // .nrrd, gzip
+  kMetaImage,  // .mha, zlib
+  kMetaPair,   // .mhd with the data in a .raw beside it, not compressed
+  kNifti,      // .nii
+  kNiftiGzip,  // .nii.gz
+};
+
+// One array over the box of the call, i fastest: the field if there is one, otherwise `data`; see DenseFields. Its
+// place in the world is exact for every lattice; in NIfTI, as far as floats are. Without a box, the array is one empty
+// element at lattice point 0, because the formats have no empty arrays.
+// Memory: 88 bytes for each brick, and the field. Errors: RESOURCE_EXHAUSTED for an array of more than 2^32 bytes, or a
+// side that NIfTI cannot hold, before the first voxel.
+//   fields   at most one, not of links
+std::unique_ptr<Output> NewImageOutput(std::unique_ptr<AtomicFile> file, ImageFormat format,
+                                       const std::vector<Field>& fields, const BoxShape& shape);
+
+}  // namespace latvox::client
+
+#endif  // LATVOX_CLIENT_TOOL_OUTPUT_IMAGE_OUTPUT_H_

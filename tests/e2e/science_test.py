@@ -1,0 +1,282 @@
+"""Programs of others read the images and the files of VTK, and find the voxels and fields of the .npz at their positions."""
+
+import pathlib
+import re
+import subprocess
+import unittest
+
+import nibabel
+import numpy
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkIOImage import vtkMetaImageReader
+from vtkmodules.vtkIOXML import vtkXMLImageDataReader, vtkXMLUnstructuredGridReader
+
+from harness import BUNNY, PATIENCE, Case, latvox, octahedron, write_obj
+
+SPIDER = "/usr/share/assimp/models/OBJ/spider.obj"  # of assimp-testmodels
+DOCS = pathlib.Path(__file__).resolve().parents[2] / "client" / "docs" / "inputs-and-outputs.md"
+IMAGES = ".nrrd", ".mha", ".mhd", ".nii", ".nii.gz"
+LATTICES = {
+    "cartesian": ["--lattice", "cartesian", "--resolution", "24", "--origin", "0.5,-3,1"],
+    "stretched": ["--voxel-size", "0.05,0.08,0.11"],
+    "bcc": ["--lattice", "bcc", "--resolution", "24"],
+    "fcc": ["--lattice", "fcc", "--resolution", "24"],
+    "skewed": ["--basis", "0.1,0,0.01,0.02,0.12,0,0,0.03,0.15", "--origin", "0.5,-3,1"],
+}
+ONE_EACH = {"part": "int32", "material": "int32", "color": "uint8", "distance": "float32", "triangle": "int32", "point": "float32",
+            "normal": "float32", "fraction": "uint16"}  # fmt: skip
+
+
+def by_teem(path):
+    """Returns the array, components last, and the affine of an image that `teem-unu` reads, and the header that it writes."""
+    done = subprocess.run(["teem-unu", "save", "-f", "nrrd", "-e", "raw", "-i", path], capture_output=True, timeout=PATIENCE)
+    assert done.returncode == 0, done.stderr
+    head, _, data = done.stdout.partition(b"\n\n")
+    fields = dict(line.split(": ", 1) for line in head.decode().splitlines() if ": " in line)
+    sizes = [int(x) for x in fields["sizes"].split()]
+    types = {"unsigned char": "u1", "unsigned short": "<u2", "int": "<i4", "float": "<f4"}
+    array = numpy.frombuffer(data, types[fields["type"]]).reshape(sizes, order="F")
+    if len(sizes) == 4:
+        array = numpy.moveaxis(array, 0, -1)
+    vectors = [[float(x) for x in v.split(",")] for v in re.findall(r"\(([^)]+)\)", fields["space directions"])]
+    origin = [float(x) for x in fields["space origin"].strip("()").split(",")]
+    return array, affine_of(vectors, origin), fields
+
+
+def affine_of(steps, origin):
+    affine = numpy.eye(4)
+    affine[:3, :3] = numpy.array(steps).T
+    affine[:3, 3] = origin
+    return affine
+
+
+def by_vtk_meta(path):
+    """VTK gives the elements; it ignores the direction of axes. So the affine comes from the header's lines."""
+    reader = vtkMetaImageReader()
+    assert reader.CanReadFile(str(path)), path
+    reader.SetFileName(str(path))
+    reader.Update()
+    image = reader.GetOutput()
+    values = vtk_to_numpy(image.GetPointData().GetScalars())
+    shape = image.GetDimensions()
+    array = values.reshape(*shape[::-1], -1).transpose(2, 1, 0, 3)
+    head = path.read_bytes().partition(b"ElementDataFile")[0].decode()
+    fields = {key: [float(x) for x in value.split()] for key, value in re.findall(r"(\w+) = ([-0-9.e ]+)\n", head)}
+    numpy.testing.assert_allclose(image.GetSpacing(), fields["ElementSpacing"], rtol=1e-12)
+    steps = numpy.array(fields["TransformMatrix"]).reshape(3, 3) * numpy.array(fields["ElementSpacing"])[:, None]
+    return (array if array.shape[3] > 1 else array[..., 0]), affine_of(steps, fields["Offset"])
+
+
+def by_nibabel(path):
+    image = nibabel.load(path)
+    array = numpy.asanyarray(image.dataobj)
+    if array.dtype.names:
+        array = numpy.stack([array[name] for name in "RGB"], axis=-1)
+    if array.ndim == 5:
+        array = array[:, :, :, 0, :]
+    assert image.header["sform_code"] == 2 and image.header["qform_code"] == 0
+    return array, image.affine
+
+
+def read(path):
+    if path.suffix == ".nrrd":
+        return by_teem(path)[:2]
+    return by_nibabel(path) if ".nii" in path.name else by_vtk_meta(path)
+
+
+def named_arrays(data):
+    return {data.GetArrayName(n): vtk_to_numpy(data.GetArray(n)) for n in range(data.GetNumberOfArrays())}
+
+
+def read_vtk(reader, path):
+    reader.SetFileName(str(path))
+    reader.Update()
+    assert reader.GetErrorCode() == 0, reader.GetErrorCode()
+    return reader.GetOutput()
+
+
+class Science(Case):
+    def write(self, mesh, extensions, *options):
+        """Writes a.npz, a.csv and files of these extensions. Returns the arrays of a.npz."""
+        outputs = [word for extension in (".npz", *extensions) for word in ("-o", self.dir / f"a{extension}")]
+        self.summary = self.voxelize(mesh, *outputs, *options, out="a.csv")
+        with numpy.load(self.dir / "a.npz") as arrays:
+            return dict(arrays)
+
+    def check_images(self, arrays, name, dtype, extensions=IMAGES):
+        for extension in extensions:
+            array, affine = read(self.dir / f"a{extension}")
+            self.assertEqual((array.dtype, array.shape), (numpy.dtype(dtype), arrays[name].shape), extension)
+            numpy.testing.assert_array_equal(array, arrays[name], extension)
+            scale = abs(arrays["affine"]).max() * (6e-8 if ".nii" in extension else 1e-15)  # NIfTI has floats
+            numpy.testing.assert_allclose(affine, arrays["affine"], rtol=0, atol=scale * 4, err_msg=extension)
+
+    def test_images_have_the_voxels_of_every_lattice_at_their_places(self):
+        for name, options in LATTICES.items():
+            with self.subTest(name):
+                arrays = self.write(BUNNY, IMAGES, *options)
+                self.assertEqual(int(arrays["data"].sum()), self.summary["voxels"])
+                self.check_images(arrays, "data", "uint8")
+
+    def test_images_hold_one_field(self):
+        for name, dtype in ONE_EACH.items():
+            with self.subTest(name):
+                closed = name == "fraction"
+                field = ["--fields", "fraction:4", "--set", "solid"] if closed else ["--fields", name]
+                arrays = self.write(BUNNY if closed else SPIDER, IMAGES, "--lattice", "bcc", "--resolution", "12", *field)
+                self.check_images(arrays, name, dtype)
+        kinds = by_teem(self.dir / "a.nrrd")[2]
+        self.assertEqual((kinds["space"], kinds["content"]), ("left-posterior-superior", "fraction"))
+
+    def test_signed_distances_of_a_band(self):
+        arrays = self.write(BUNNY, IMAGES, *LATTICES["fcc"], "--band", "2v", "--signed")
+        self.assertLess(numpy.nanmin(arrays["distance"]), 0)
+        self.check_images(arrays, "distance", "float32")
+
+    def test_vti_has_cells_around_the_positions(self):
+        for name in ("cartesian", "stretched"):
+            arrays = self.write(SPIDER, [".vti"], "--resolution", "16", "--fields", "part,color,normal,distance") \
+                if name == "cartesian" else self.write(BUNNY, [".vti"], *LATTICES[name])  # fmt: skip
+            image = read_vtk(vtkXMLImageDataReader(), self.dir / "a.vti")
+            shape = arrays["data"].shape
+            self.assertEqual(image.GetDimensions(), tuple(n + 1 for n in shape))
+            found = named_arrays(image.GetCellData())
+            self.assertEqual(set(found), {n for n in arrays if arrays[n].shape[:3] == shape})
+            for each, values in found.items():
+                array = values.reshape(*shape[::-1], -1).transpose(2, 1, 0, 3).reshape(arrays[each].shape)
+                self.assertEqual(array.dtype, arrays[each].dtype)
+                numpy.testing.assert_array_equal(array, arrays[each], each)
+            spacing = image.GetSpacing()
+            numpy.testing.assert_allclose(spacing, numpy.diag(arrays["affine"])[:3], rtol=1e-14)
+            center = numpy.add(image.GetOrigin(), numpy.divide(spacing, 2))
+            numpy.testing.assert_allclose(center, arrays["affine"][:3, 3], rtol=1e-14)
+
+    def test_vtu_has_a_point_for_each_voxel_of_every_lattice(self):
+        for name, options in LATTICES.items():
+            fields = ["--fields", "part,distance,links"] if name == "bcc" else []
+            arrays = self.write(BUNNY, [".vtu"], *options, *fields)
+            grid = read_vtk(vtkXMLUnstructuredGridReader(), self.dir / "a.vtu")
+            self.assertEqual((grid.GetNumberOfPoints(), grid.GetNumberOfCells()), (self.summary["voxels"],) * 2)
+            self.assertEqual({grid.GetCellType(n) for n in range(grid.GetNumberOfCells())}, {1})
+            table = numpy.genfromtxt(self.dir / "a.csv", delimiter=",", names=True)
+            numpy.testing.assert_array_equal(vtk_to_numpy(grid.GetPoints().GetData()), numpy.c_[table["x"], table["y"], table["z"]])
+            found = named_arrays(grid.GetPointData())
+            ijk = found.pop("ijk")
+            numpy.testing.assert_array_equal(ijk, numpy.c_[table["i"], table["j"], table["k"]])
+            self.assertEqual(set(found), {"part", "distance", "links"} if fields else set())
+            at = tuple((ijk - arrays["index_min"]).T)
+            for each, values in found.items():
+                numpy.testing.assert_array_equal(values, arrays[each] if each == "links" else arrays[each][at], each)
+
+    def test_a_shape_is_exact_and_keeps_every_voxel_at_its_place(self):
+        plain = self.write(BUNNY, [], "--resolution", "20")
+        shaped = self.write(BUNNY, [*IMAGES, ".vti"], "--resolution", "20", "--dims", "32,24,28", "--pad", "1")
+        self.assertEqual(shaped["data"].shape, (32, 24, 28))
+        self.check_images(shaped, "data", "uint8")
+        same = [{tuple(v) for v in numpy.argwhere(arrays["data"]) + arrays["index_min"]} for arrays in (plain, shaped)]
+        self.assertEqual(*same)
+        self.assertTrue(same[0])
+        for size in ("16", "33"):
+            dims = self.write(BUNNY, [".vti"], "--dims", ",".join([size] * 3), "--set", "solid")["data"]
+            self.assertEqual(dims.shape, (int(size),) * 3)
+            full = [numpy.ptp(numpy.nonzero(dims)[m]) + 1 for m in range(3)]
+            self.assertEqual(max(full), int(size), "the longest side has as many voxels as fit")
+        done = latvox("voxelize", BUNNY, "-o", self.dir / "b.nrrd", "--resolution", "20", "--dims", "32,24,9")
+        self.assertEqual(done.returncode, 3, done.stderr)
+        self.assertRegex(done.stderr, r"b.nrrd: --dims: 9 along k is less than the \d+ points that the voxels take")
+        self.assertFalse((self.dir / "b.nrrd").exists())
+
+    def test_a_dense_npy_holds_one_field(self):
+        for name in ("distance", "color"):
+            arrays = self.write(SPIDER, [".npy"], "--resolution", "12", "--fields", name, "--npy", "dense", "--pad", "2")
+            numpy.testing.assert_array_equal(numpy.load(self.dir / "a.npy"), arrays[name])
+
+    def test_a_binvox_has_the_shape_of_the_npz(self):
+        arrays = self.write(BUNNY, [".binvox"], "--dims", "24,24,24")
+        head, _, runs = (self.dir / "a.binvox").read_bytes().partition(b"data\n")
+        pairs = numpy.frombuffer(runs, "u1").reshape(-1, 2)
+        cells = numpy.repeat(pairs[:, 0], pairs[:, 1]).reshape(24, 24, 24).transpose(0, 2, 1)
+        numpy.testing.assert_array_equal(cells, arrays["data"])
+        self.assertIn(b"\ndim 24 24 24\n", head)
+
+    def convert(self, extensions, *options):
+        """Converts a.vdb to these. Returns the arrays of a.npz."""
+        outputs = [word for extension in (".npz", *extensions) for word in ("-o", self.dir / f"a{extension}")]
+        done = latvox("convert", self.dir / "a.vdb", *outputs, *options)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn(f"{self.summary['voxels']} voxels", done.stdout)
+        with numpy.load(self.dir / "a.npz") as arrays:
+            return dict(arrays)
+
+    def test_convert_keeps_every_voxel_with_its_values(self):
+        for name, lattice in (("skewed", ["--basis", "3,0,0.2,0.5,2,0,0,1,4"]), ("fcc", ["--lattice", "fcc", "--resolution", "12"])):
+            with self.subTest(name):
+                fields = "part,material,color,distance,normal,point,triangle"
+                whole = self.write(SPIDER, [".vdb"], *lattice, "--fields", fields)
+                again = self.convert([".vtu", ".csv", ".ply", ".npy"])
+                self.assertEqual(set(whole), set(again))
+                at = numpy.argwhere(whole["data"])
+                there = at + whole["index_min"] - again["index_min"]
+                self.assertEqual(int(again["data"].sum()), len(at))
+                for field in ("data", *fields.split(",")):
+                    numpy.testing.assert_array_equal(again[field][tuple(there.T)], whole[field][tuple(at.T)], field)
+                numpy.testing.assert_allclose(again["origin"], whole["origin"], rtol=1e-15)
+                numpy.testing.assert_array_equal(again["basis"], whole["basis"])
+                self.check_images(self.convert(IMAGES, "--fields", "normal"), "normal", "float32")
+                self.check_images(self.convert(IMAGES, "--fields", "none", "--pad", "1"), "data", "uint8")
+
+    def test_convert_refuses_what_a_format_cannot_hold(self):
+        self.write(BUNNY, [".vdb"], "--resolution", "12", "--lattice", "bcc", "--fields", "part,distance")
+        for options, code, says in (
+            (["-o", "a.mha"], 3, "a.mha: cannot hold part,distance; .csv .npy .npz .ply .vti .vtu can, and --fields selects some"),
+            (["-o", "b.npy", "--npy", "dense"], 3, "cannot hold part,distance"),
+            (["-o", "b.csv", "-o", "a.vti"], 3, "a.vti: the format holds boxes along the axes only"),
+            (["-o", "b.csv", "--fields", "color"], 3, "a.vdb: has no field color"),
+            (["-o", "b.csv", "--fields", "links"], 2, "links"),
+            (["-o", "b.csv", "--pad", "1"], 2, "--pad: needs an output with a shape"),
+            (["-o", "b.vdb"], 2, '".vdb" is not one of'),
+            (["-o", "b.nii", "--fields", "part", "--dims", "3,99,99"], 3, "b.nii: --dims: 3 along i is less than"),
+        ):  # fmt: skip
+            before = sorted(self.dir.iterdir())
+            done = latvox("convert", self.dir / "a.vdb", *options, cwd=self.dir)
+            self.assertEqual((done.returncode, done.stdout), (code, ""), (options, done.stderr))
+            self.assertIn(says, done.stderr)
+            self.assertEqual(sorted(self.dir.iterdir()), before)
+
+    def test_equal_jobs_write_equal_bytes(self):
+        files = []
+        for threads in ("1", "2"):
+            self.write(BUNNY, (".vti", ".vtu", *IMAGES), "--resolution", "20", "--threads", threads)
+            files.append([(self.dir / f"a{e}").read_bytes() for e in (".vti", ".vtu", *IMAGES, ".raw")])
+        self.assertEqual(*files)
+
+    def test_a_box_without_a_voxel_is_readable(self):
+        self.write(BUNNY, (".vti", ".vtu", *IMAGES), "--resolution", "20", "--region", "1000,0,0,1001,1,1")
+        for extension in IMAGES:
+            self.assertEqual(read(self.dir / f"a{extension}")[0].tolist(), [[[0]]], extension)
+        self.assertEqual(read_vtk(vtkXMLImageDataReader(), self.dir / "a.vti").GetNumberOfCells(), 1)
+        self.assertEqual(read_vtk(vtkXMLUnstructuredGridReader(), self.dir / "a.vtu").GetNumberOfCells(), 0)
+
+    def test_the_table_of_the_documentation_is_what_the_tool_accepts(self):
+        """Without a mesh, a call that is accepted ends with its absence."""
+        lines = DOCS.read_text().partition("| extension |")[2].splitlines()[2:]
+        table = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines[: lines.index("")]]
+        known = latvox("voxelize", "m.obj", "-o", "a.xyz").stderr.rpartition("is not one of ")[2].split()
+        self.assertEqual([row[0].strip("`") for row in table], known)
+        questions = {
+            "one field": ["--fields", "normal"],
+            "several": ["--fields", "part,distance"],
+            "links": ["--fields", "links,link_triangles"],
+            "stretched": ["--voxel-size", "1,1,2"],
+            "any lattice": ["--lattice", "bcc"],
+            "shape": ["--pad", "1"],
+        }
+        for name, *cells in table:
+            for (question, options), cell in zip(questions.items(), cells, strict=True):
+                done = latvox("voxelize", self.dir / "none.obj", "-o", self.dir / f"a{name.strip('`')}", *options)
+                self.assertIn(done.returncode, (2, 3), done.stderr)
+                self.assertEqual("yes" if done.returncode == 3 else "no", cell, (name, question, done.stderr))
+
+
+if __name__ == "__main__":
+    unittest.main()
