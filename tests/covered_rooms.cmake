@@ -11,5 +11,9 @@ latvox_test_room(client/json client_gltf_test client_job_test)
 
 latvox_test_room_from_outside(server/config TESTS e2e.config PROGRAMS latvox latvoxd)
 latvox_test_room_from_outside(server/main.cc TESTS e2e.config PROGRAMS latvox latvoxd)
+latvox_test_room_from_outside(client/python TESTS python.package PROGRAMS latvox latvoxd)
+if(TARGET latvox_python) # with LATVOX_PYTHON, which tests/run turns on for this room
+  latvox_build_for_room(client/python latvox_python)
+endif()
 latvox_test_room_from_outside(client/tool/inspect TESTS e2e.info PROGRAMS latvox latvoxd)
 latvox_test_room_from_outside(client/tool/view TESTS e2e.view node.view PROGRAMS latvox latvoxd)

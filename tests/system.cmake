@@ -4,6 +4,7 @@
 #   corpus     meshes of installed packages, compared with readers of others
 #   layering   who depends on whom
 #   prose      the English of pages and comments
+#   python     the Python package
 #   node       an independent client, from the protocol file alone
 #   e2e        command line tool, files, failures
 #   mutants    damaged files of every format
@@ -108,6 +109,9 @@ if(NOT latvox_sanitized)
   latvox_add_system_test(layering "${latvox_python};layering/layering_test.py")
   latvox_add_system_test(layering.function_length "${latvox_python};layering/function_length_test.py")
   latvox_add_system_test(layering.rooms "${latvox_python};layering/rooms_test.py")
+  if(LATVOX_PYTHON)
+    latvox_add_system_test(python.package "${latvox_python};-m;pytest;-q;-p;no:cacheprovider;python")
+  endif()
   latvox_add_system_test(prose "${latvox_python};prose/prose_test.py")
   latvox_add_system_test(node "node;--test;node/voxelize.test.js")
   latvox_add_system_test(readme "${latvox_python};readme/readme_test.py")

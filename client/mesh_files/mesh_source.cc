@@ -106,4 +106,9 @@ absl::StatusOr<MeshOrDraco> ReadMeshSource(const MeshSource& input) {
   return joined;
 }
 
+absl::Status PlaceMesh(const MeshSource& input, Mesh& mesh) {
+  if (absl::Status status = CheckHas(input.attributes, mesh); !status.ok()) return status;
+  return Transform(ToWorld(input), mesh);
+}
+
 }  // namespace latvox::client

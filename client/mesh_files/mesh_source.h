@@ -41,6 +41,10 @@ using MeshOrDraco = std::variant<Mesh, std::string>;
 // after scaling, a mesh lacks a required attribute.
 absl::StatusOr<MeshOrDraco> ReadMeshSource(const MeshSource& input);
 
+// Turns and scales a mesh that comes in place of files. Errors: INVALID_ARGUMENT: a vertex is not finite after scaling;
+// the mesh lacks a required attribute.
+absl::Status PlaceMesh(const MeshSource& input, Mesh& mesh);
+
 }  // namespace latvox::client
 
 #endif  // LATVOX_CLIENT_MESH_FILES_MESH_SOURCE_H_

@@ -94,11 +94,12 @@ absl::StatusOr<MeshUpload> Encode(const Mesh& mesh, UploadForm form, int bits, c
 
 }  // namespace
 
-absl::StatusOr<MeshUpload> PrepareUpload(const VoxelizeOptions& options, bool has_network, const CallOptions& call,
+absl::StatusOr<MeshUpload> PrepareUpload(const VoxelizeOptions& options, const MeshReader& read_mesh, bool has_network,
+                                         const CallOptions& call,
                                          const std::function<void(const std::string& stage)>& on_stage) {
   const absl::Time start = absl::Now();
   on_stage(absl::StrCat("reading ", NameOf(options.mesh)));
-  auto read = DoAbandonably([source = options.mesh] { return ReadMeshSource(source); }, call);
+  auto read = DoAbandonably(read_mesh, call);
   if (!read.ok()) return read.status();
   const double read_ms = MillisecondsSince(start);
   if (auto* drc = std::get_if<std::string>(&*read)) {

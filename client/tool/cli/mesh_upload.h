@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "client/mesh_files/mesh_source.h"
 #include "client/mesh_files/weld_report.h"
 #include "client/tool/cli/session.h"
 #include "client/tool/cli/voxelize_options.h"
@@ -32,13 +33,17 @@ struct MeshUpload {
   double read_ms = 0, encode_ms = 0;
 };
 
+// Returns the mesh of a job, on a thread of its own: it must own everything that it uses.
+using MeshReader = std::function<absl::StatusOr<MeshOrDraco>()>;
+
 // Reads the mesh and brings it into the form of --upload. The form "auto" is:
 //   Draco    if --quantization asks for bits, because arrays are never rounded
 //   arrays   if the mesh needs doubles, or if no network is in between and they take at most 1 GiB
 //   Draco    otherwise, because a network is slower than its encoder
-// A .drc file is sent as it is. Errors: those of reading the mesh; INVALID_ARGUMENT: it is a .drc file, and arrays are
+// A .drc file is sent as it is. Errors: those of `read_mesh`; INVALID_ARGUMENT: it is a .drc file, and arrays are
 // asked for. Warnings: POSITIONS_ROUNDED, if Draco is asked for.
-absl::StatusOr<MeshUpload> PrepareUpload(const VoxelizeOptions& options, bool has_network, const CallOptions& call,
+absl::StatusOr<MeshUpload> PrepareUpload(const VoxelizeOptions& options, const MeshReader& read_mesh, bool has_network,
+                                         const CallOptions& call,
                                          const std::function<void(const std::string& stage)>& on_stage);
 
 }  // namespace latvox::client

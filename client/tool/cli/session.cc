@@ -46,7 +46,7 @@ bool HasNetwork(const ServerChoice& choice) {
 }
 
 absl::Status Session::StartPrivate(const ServerChoice& choice, const CallOptions& options) {
-  auto server = PrivateServer::Start({.threads = choice.threads}, options, [this](const std::string& path) {
+  auto server = PrivateServer::Start({choice.program, choice.threads}, options, [this](const std::string& path) {
     directory_ = std::make_unique<TemporaryDirectoryMark>(path);
   });
   if (!server.ok() && absl::IsUnavailable(server.status())) {

@@ -17,6 +17,7 @@ namespace latvox::client {
 struct ServerChoice {
   std::string address;         // one, or several separated by commas; empty: a private server
   std::optional<int> threads;  // of a private server
+  std::string program = {};    // of a private server, as PrivateServerOptions has it
   Credentials credentials;     // for a named server
   std::string token_file;      // holds the token; empty: no token
   std::optional<double> timeout_seconds;

@@ -127,7 +127,10 @@ absl::StatusOr<VoxelizeReport> RunJob(const VoxelizeOptions& options, const Call
   // Outputs come first, so that an unwritable path fails before any work.
   auto outputs = OpenOutputs(options);
   if (!outputs.ok()) return outputs.status();
-  const auto upload = PrepareUpload(options, HasNetwork(options.server), call, hooks.on_stage);
+  if (hooks.receive) outputs->push_back(hooks.receive());
+  const MeshReader read_files = [source = options.mesh] { return ReadMeshSource(source); };
+  const auto upload = PrepareUpload(options, hooks.read_mesh ? hooks.read_mesh : read_files, HasNetwork(options.server),
+                                    call, hooks.on_stage);
   if (!upload.ok()) return upload.status();
   report.names = upload->names;
   for (const auto& output : *outputs) output->SetNames(upload->names);

@@ -4,13 +4,16 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "client/tool/cli/mesh_upload.h"
 #include "client/tool/cli/report.h"
 #include "client/tool/cli/voxelize_options.h"
+#include "client/tool/output/output.h"
 #include "latvox/cancellation.h"
 #include "latvox/client.h"
 #include "latvox/warning.h"
@@ -27,8 +30,10 @@ struct JobHooks {
   std::function<absl::StatusOr<const Client*>()> connect;
   std::function<void(const std::string& stage)> on_stage;  // called when a stage begins
   std::function<void(double share, uint64_t bricks)> on_progress;
-  std::function<void(const std::string& line)> say;  // prints a line for people
-  std::vector<Warning> warnings = {};                // of the command itself: the report begins with them
+  std::function<void(const std::string& line)> say;            // prints a line for people
+  std::vector<Warning> warnings = {};                          // of the command itself: the report begins with them
+  MeshReader read_mesh = nullptr;                              // returns the mesh; null: reads the files of the options
+  std::function<std::unique_ptr<Output>()> receive = nullptr;  // returns what takes the voxels besides the files
 };
 
 // Reads and encodes the mesh, lets the server voxelize it and writes every output. The outputs appear only if

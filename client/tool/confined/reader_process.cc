@@ -66,6 +66,11 @@ class SpawnSetting {
   posix_spawn_file_actions_t files;
 };
 
+std::string& ReaderProgram() {
+  static auto* const path = new std::string("/proc/self/exe");
+  return *path;
+}
+
 // Returns errno. Both files have numbers above kReaderChannel, so that no duplicate closes the other.
 int Spawn(std::vector<std::string> words, int file, int channel, pid_t& pid) {
   std::vector<char*> arguments;
@@ -77,7 +82,7 @@ int Spawn(std::vector<std::string> words, int file, int channel, pid_t& pid) {
   std::string libraries = absl::StrCat(kLibraries, "=", folders != nullptr ? folders : "");
   char* environment[] = {folders != nullptr ? libraries.data() : nullptr, nullptr};
   SpawnSetting setting(file, channel);
-  return posix_spawn(&pid, "/proc/self/exe", &setting.files, &setting.attributes, arguments.data(), environment);
+  return posix_spawn(&pid, ReaderProgram().c_str(), &setting.files, &setting.attributes, arguments.data(), environment);
 }
 
 absl::Status CannotOpen(const std::string& path, int error) {
@@ -93,6 +98,8 @@ absl::Status CannotStart(const std::string& path, int error) {
 int Above(int fd) { return fcntl(fd, F_DUPFD_CLOEXEC, kReaderChannel + 1); }
 
 }  // namespace
+
+void SetReaderProgram(const std::string& path) { ReaderProgram() = path; }
 
 ReaderLimits ReaderLimitsFor(uint64_t file_bytes) {
   return {std::max(kLeastMemory, kMemoryPerByte * file_bytes), kLeastSeconds + file_bytes / kBytesPerSecond};

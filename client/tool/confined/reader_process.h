@@ -33,11 +33,15 @@ struct ReaderLimits {
 };
 ReaderLimits ReaderLimitsFor(uint64_t file_bytes);
 
+// Names a program whose main() asks IsReader, for a process whose own does not. Call it before any reader starts.
+void SetReaderProgram(const std::string& path);
+
 // A child of this process, which ends with it. Not thread-safe.
 class ReaderProcess {
  public:
-  // Starts the program again for a regular file. `what` and `path` are its arguments. Errors: NOT_FOUND;
-  // INVALID_ARGUMENT (no regular file, not readable), with the path; RESOURCE_EXHAUSTED (no process).
+  // Starts this program again, or the one of SetReaderProgram, for a regular file. `what` and `path` are its arguments.
+  // Errors: NOT_FOUND; INVALID_ARGUMENT (no regular file, not readable), with the path; RESOURCE_EXHAUSTED (no
+  // process).
   static absl::StatusOr<std::unique_ptr<ReaderProcess>> Start(const std::string& path, const std::string& what,
                                                               const Cancellation& cancellation);
   ~ReaderProcess();  // kills it

@@ -1,0 +1,164 @@
+#include "client/python/arguments.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "absl/strings/str_replace.h"
+#include "client/tool/cli/common_options.h"
+#include "client/tool/cli/mesh_options.h"
+#include "client/tool/cli/request_rows.h"
+#include "latvox/error.h"
+
+namespace latvox::client::python {
+namespace {
+
+namespace py = pybind11;
+
+// The tool's parser, with the words that it writes into.
+struct Parser {
+  Parser() {
+    AddRequestOptions(command, words);
+    AddServerOptions(command, words.options.server);
+  }
+  VoxelizeWords words;
+  CommandParser command;
+};
+
+// An option and its keyword.
+struct Keyword {
+  std::string name, option;
+  OptionFacts facts;
+  bool is_flag() const { return facts.value.empty(); }
+};
+
+const std::string& LongName(const OptionFacts& facts) {
+  const auto is_long = [](const std::string& name) { return absl::StartsWith(name, "--"); };
+  return *std::find_if(facts.names.begin(), facts.names.end(), is_long);
+}
+
+const std::vector<Keyword>& AllKeywords() {
+  static const auto* const kAll = [] {
+    auto* const all = new std::vector<Keyword>;
+    for (OptionFacts& facts : Parser().command.Describe().options) {
+      const std::string option = LongName(facts);
+      if (option == "--help") continue;
+      all->push_back({absl::StrReplaceAll(option.substr(2), {{"-", "_"}}), option, std::move(facts)});
+    }
+    return all;
+  }();
+  return *kAll;
+}
+
+const Keyword& Find(const std::string& name) {
+  for (const Keyword& keyword : AllKeywords()) {
+    if (keyword.name == name) return keyword;
+  }
+  const auto add = [](std::string* out, const Keyword& keyword) { *out += keyword.name; };
+  throw py::type_error(
+      absl::StrCat("unknown keyword argument '", name, "'; known are ", absl::StrJoin(AllKeywords(), ", ", add)));
+}
+
+[[noreturn]] void RefuseType(const Keyword& keyword, py::handle value) {
+  throw py::type_error(absl::StrCat(
+      keyword.name, ": ", std::string(py::repr(value)),
+      keyword.is_flag() ? " is not True or False" : " is not a number, a text, a path or a sequence of these"));
+}
+
+// Numbers of numpy, and its arrays, become those of Python with the same value.
+py::object Plain(py::handle value) {
+  return py::hasattr(value, "tolist") ? value.attr("tolist")() : py::reinterpret_borrow<py::object>(value);
+}
+
+bool IsSequence(py::handle value) { return py::isinstance<py::list>(value) || py::isinstance<py::tuple>(value); }
+
+// Numbers are printed so that they read back equal.
+std::string TextOf(const Keyword& keyword, py::handle given) {
+  const py::object value = Plain(given);
+  if (py::isinstance<py::str>(value)) return value.cast<std::string>();
+  if (py::hasattr(value, "__fspath__")) return py::str(value.attr("__fspath__")());
+  const bool is_number = py::isinstance<py::int_>(value) || py::isinstance<py::float_>(value);
+  if (is_number && !py::isinstance<py::bool_>(value)) return py::repr(value);
+  if (!IsSequence(value)) RefuseType(keyword, given);
+  std::vector<std::string> texts;
+  for (const py::handle one : value) texts.push_back(TextOf(keyword, one));
+  return absl::StrJoin(texts, ",");
+}
+
+// Appends the words of a command line for a keyword.
+void AddWords(const Keyword& keyword, const CommandParser& command, py::handle given, std::vector<std::string>& words) {
+  const py::object value = Plain(given);
+  if (keyword.is_flag()) {
+    if (!py::isinstance<py::bool_>(value)) RefuseType(keyword, given);
+    const std::string no = "--no-" + keyword.option.substr(2);
+    if (value.cast<bool>()) words.push_back(keyword.option);
+    if (!value.cast<bool>() && command.HasOption(no)) words.push_back(no);  // others are off by default
+    return;
+  }
+  const bool has_several = keyword.facts.several && IsSequence(value);
+  for (const py::handle one : has_several ? value : py::object(py::make_tuple(value))) {
+    const std::string text = TextOf(keyword, one);
+    if (text.empty()) throw UsageError(keyword.option + ": is empty");
+    words.push_back(absl::StrCat(keyword.option, "=", text));
+  }
+}
+
+// The field of the error is the first option that its text names.
+absl::Status Wrong(const std::string& text) {
+  absl::Status status = absl::InvalidArgumentError(WithKeywords(text));
+  size_t first = std::string::npos;
+  ErrorDetails details;
+  for (const Keyword& keyword : AllKeywords()) {
+    const size_t at = text.find(keyword.option);
+    const bool is_longer = at == first && keyword.name.size() > details.field.size();
+    if (at == std::string::npos || (at >= first && !is_longer)) continue;
+    first = at;
+    details.field = keyword.name;
+  }
+  SetErrorDetails(details, status);
+  return status;
+}
+
+}  // namespace
+
+py::dict Keywords() {
+  VoxelizeWords words;
+  CommandParser request;
+  AddRequestOptions(request, words);
+  const auto has_server = [](const std::vector<std::string>& names) {
+    return std::find(names.begin(), names.end(), "--server") != names.end();
+  };
+  py::dict all;
+  for (const auto& [name, option, facts] : AllKeywords()) {
+    const bool chooses_server = option == "--server" || has_server(facts.needs) || has_server(facts.excludes);
+    const char* const scope = request.HasOption(option) ? "request" : chooses_server ? "connection" : "call";
+    all[py::str(name)] = py::dict(py::arg("help") = facts.description, py::arg("value") = facts.value,
+                                  py::arg("standard") = facts.standard, py::arg("scope") = scope);
+  }
+  return all;
+}
+
+absl::StatusOr<VoxelizeOptions> ParseKeywords(const py::dict& keywords, const std::vector<std::string>& paths) try {
+  Parser parser;
+  std::vector<std::string> words;
+  for (const auto& [name, value] : keywords) {
+    if (!value.is_none()) AddWords(Find(py::str(name)), parser.command, value, words);
+  }
+  parser.command.Parse(std::move(words));
+  parser.words.options.mesh.paths = paths;
+  VoxelizeOptions options = InterpretRequest(parser.words);
+  CheckMeshPaths(options.mesh, options.outputs);
+  return options;
+} catch (const UsageError& error) {
+  return Wrong(error.what());
+}
+
+std::string WithKeywords(const std::string& text) {
+  std::vector<std::pair<std::string, std::string>> names;
+  for (const Keyword& keyword : AllKeywords()) names.emplace_back(keyword.option, keyword.name);
+  return absl::StrReplaceAll(text, names);
+}
+
+}  // namespace latvox::client::python

@@ -1,0 +1,135 @@
+#include "client/python/call.h"
+
+#include <pybind11/stl.h>
+
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "client/mesh_files/mesh_source.h"
+#include "client/python/arguments.h"
+#include "client/python/mesh_arrays.h"
+#include "client/python/status.h"
+
+namespace latvox::client::python {
+namespace {
+
+namespace py = pybind11;
+
+constexpr size_t kWaitingBatches = 3;  // then the server waits, too
+constexpr char kMeshOfArrays[] = "mesh";
+
+// Returns what reads the mesh of arrays, once.
+MeshReader ReaderOf(Mesh arrays, const MeshSource& source) {
+  return [mesh = std::make_shared<Mesh>(std::move(arrays)), source]() -> absl::StatusOr<MeshOrDraco> {
+    if (absl::Status status = PlaceMesh(source, *mesh); !status.ok()) return status;
+    return std::move(*mesh);
+  };
+}
+
+}  // namespace
+
+Connection::Connection(const py::dict& keywords, const std::string& token, const std::string& program) {
+  ServerChoice choice = Checked(ParseKeywords(keywords, {kMeshOfArrays})).server;
+  Check(CheckProcess());
+  choice.program = program;
+  choice.credentials.token = token;
+  std::optional<Session> opened;
+  Run([&](Work& work) {
+    auto session = Session::Open(choice, MakeCallOptions(choice, work.cancellation()));
+    if (session.ok()) opened = *std::move(session);
+    return session.status();
+  });
+  session_.reset(new Session(*std::move(opened)), DeleteInItsProcess());
+}
+
+absl::StatusOr<std::shared_ptr<const Session>> Connection::session() const {
+  if (absl::Status status = CheckProcess(); !status.ok()) return status;
+  if (session_ == nullptr) return absl::FailedPreconditionError("the client is closed");
+  return session_;
+}
+
+// Passes each batch on, and waits while too many of them wait.
+class Call::Receiver final : public VoxelsOutput {
+ public:
+  Receiver(Call& call, Work& work) : VoxelsOutput(call.answer_), call_(call), work_(work) {}
+
+  absl::Status Add(const BrickBatch& batch) override {
+    const SharedVoxels passed = std::make_shared<Voxels>();
+    passed->request = voxels_->request;
+    VoxelsOutput output(passed);
+    output.SetNames(voxels_->names);
+    if (absl::Status status = output.Begin(voxels_->all.accepted); !status.ok()) return status;
+    if (absl::Status status = output.Add(batch); !status.ok()) return status;
+    const auto has_room = [this] { return call_.batches_.size() < kWaitingBatches; };
+    if (absl::Status status = work_.AwaitReady(has_room); !status.ok()) return status;
+    work_.Change([&] { call_.batches_.push_back(passed); });
+    return absl::OkStatus();
+  }
+
+ private:
+  Call& call_;
+  Work& work_;
+};
+
+Call::Call(const Connection& connection, const py::object& mesh, const py::dict& keywords, bool streams)
+    : session_(Checked(connection.session())), streams_(streams) {
+  if (py::isinstance<py::list>(mesh)) {
+    options_ = Checked(ParseKeywords(keywords, mesh.cast<std::vector<std::string>>()));
+  } else {
+    options_ = Checked(ParseKeywords(keywords, {kMeshOfArrays}));
+    const py::tuple arrays = mesh;
+    std::vector<py::array> faces;
+    for (const py::handle one : arrays[1]) faces.push_back(one.cast<py::array>());
+    Mesh copied = Checked(MeshOfArrays(arrays[0].cast<py::array>(), faces, arrays[2].cast<py::array>()));
+    read_mesh_ = ReaderOf(std::move(copied), options_.mesh);
+  }
+  work_.reset(new Work([this](Work& work) { return Voxelize(work); }));
+}
+
+absl::Status Call::Voxelize(Work& work) {
+  const CallOptions call = MakeCallOptions(options_.server, work.cancellation());
+  if (absl::Status status = Align(options_, work.cancellation()); !status.ok()) return status;
+  answer_->request = options_.request;
+  answer_->output_options = options_.output_options;
+  JobHooks hooks;
+  hooks.connect = [this]() -> absl::StatusOr<const Client*> { return &session_->client(); };
+  hooks.on_stage = [](const std::string&) {};
+  hooks.on_progress = [&](double share, uint64_t) { work.Change([&] { progress_ = share; }); };
+  hooks.say = [](const std::string&) {};  // the answer has all warnings
+  hooks.read_mesh = read_mesh_;
+  hooks.receive = [&]() -> std::unique_ptr<Output> {
+    if (streams_) return std::make_unique<Receiver>(*this, work);
+    return std::make_unique<VoxelsOutput>(answer_);
+  };
+  const auto report = RunJob(options_, call, hooks);
+  if (!report.ok()) return report.status();
+  answer_->report = ToJson(*report);
+  return absl::OkStatus();
+}
+
+SharedVoxels Call::Wait(const py::object& progress) {
+  const auto glance = [&] {
+    if (progress.is_none()) return;
+    double share = 0;
+    work_->Change([&] { share = progress_; });
+    progress(share);
+  };
+  work_->Await([] { return false; }, glance);
+  Check(work_->status());
+  return answer_;
+}
+
+SharedVoxels Call::Next() {
+  work_->Await([this] { return !batches_.empty(); });
+  SharedVoxels next;
+  work_->Change([&] {
+    if (batches_.empty()) return;
+    next = std::move(batches_.front());
+    batches_.pop_front();
+  });
+  if (next == nullptr) Check(work_->status());
+  return next;
+}
+
+}  // namespace latvox::client::python

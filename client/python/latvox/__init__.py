@@ -1,0 +1,52 @@
+"""Exact voxelization on any 3D lattice.
+
+    import latvox
+    v = latvox.voxelize("bunny.stl", lattice="bcc", resolution=256)
+    v.ijk, v.points, v.dense(), v.certificate
+    v.save("bunny.vdb")
+
+The page client/docs/python.md has more examples.
+"""
+
+from ._calls import EXTENSIONS, KEYWORDS, Client, Stream, stream, voxelize, voxelize_many
+from ._errors import (
+    Cancelled,
+    DataLoss,
+    DeadlineExceeded,
+    Error,
+    FailedPrecondition,
+    Internal,
+    InvalidArgument,
+    NotFound,
+    ResourceExhausted,
+    Unauthenticated,
+    Unavailable,
+    VoxelizeWarning,
+)
+from ._latvox import version as __version__
+from ._voxels import Bricks, Dense, Voxels
+
+__all__ = [
+    "EXTENSIONS",
+    "KEYWORDS",
+    "Bricks",
+    "Cancelled",
+    "Client",
+    "DataLoss",
+    "DeadlineExceeded",
+    "Dense",
+    "Error",
+    "FailedPrecondition",
+    "Internal",
+    "InvalidArgument",
+    "NotFound",
+    "ResourceExhausted",
+    "Stream",
+    "Unauthenticated",
+    "Unavailable",
+    "VoxelizeWarning",
+    "Voxels",
+    "stream",
+    "voxelize",
+    "voxelize_many",
+]

@@ -1,0 +1,246 @@
+"""Clients and calls."""
+
+from __future__ import annotations
+
+import collections
+import inspect
+import os
+import pathlib
+import threading
+from typing import Any, Callable, Dict, Iterable, Iterator, List, Optional
+
+from . import _latvox
+from ._errors import Unavailable
+from ._meshes import source_of
+from ._voxels import Bricks, Voxels
+
+KEYWORDS: Dict[str, Dict[str, str]] = _latvox.keywords()
+EXTENSIONS: List[str] = _latvox.extensions()
+Progress = Callable[[float], Any]
+
+
+def _refuse_unknown(options: Dict[str, Any], *scopes: str) -> None:
+    """Throws TypeError for a name that is no keyword argument of these scopes."""
+    for name in options:
+        if KEYWORDS.get(name, {}).get("scope") in scopes:
+            continue
+        known = ", ".join(key for key, facts in KEYWORDS.items() if facts["scope"] in scopes)
+        where = "; it belongs to latvox.Client" if name in KEYWORDS else ""
+        raise TypeError(f"unexpected keyword argument '{name}'{where}; known are {known}")
+
+
+_PROGRAMS = pathlib.Path(__file__).parent / "bin"
+_latvox.set_reader_program(str(_PROGRAMS / "latvox"))
+
+
+def _server() -> str:
+    """Returns the server that is part of this package; "": the one that $LATVOX_LATVOXD or $PATH names."""
+    program = _PROGRAMS / "latvoxd"
+    return "" if os.environ.get("LATVOX_LATVOXD") or not program.exists() else str(program)
+
+
+def _begin(client: Client, mesh: Any, options: Dict[str, Any], streams: bool = False) -> _latvox.Call:
+    _refuse_unknown(options, "request", "call")
+    fields = options.get("fields")
+    names = fields.split(",") if isinstance(fields, str) else list(fields if fields is not None else ())
+    source = source_of(mesh, with_colors="color" in names)
+    return _latvox.Call(client._connection, source, {**client._options, **options}, streams)
+
+
+def _end(call: _latvox.Call, progress: Optional[Progress], depth: int) -> Voxels:
+    voxels = Voxels(call.wait(progress))
+    voxels.warn(depth + 2)
+    return voxels
+
+
+class Stream:
+    """The batches of a running call, in order: an iterator of Bricks.
+
+    The server waits while three batches wait. Leaving a `with` block, or dropping the stream, cancels the rest.
+    """
+
+    def __init__(self, call: _latvox.Call) -> None:
+        self._call = call
+
+    def __iter__(self) -> Stream:
+        """Returns the iterator, which is the stream itself."""
+        return self
+
+    def __next__(self) -> Bricks:
+        """Waits for the next batch."""
+        batch = self._call.next()
+        if batch is None:
+            raise StopIteration
+        return Bricks(batch)
+
+    def finish(self) -> Voxels:
+        """Returns the answer without bricks, with report, certificate and warnings. Call it after the last batch."""
+        return _end(self._call, None, 2)
+
+    def cancel(self) -> None:
+        """Ends the call soon."""
+        self._call.cancel()
+
+    def __enter__(self) -> Stream:
+        """Returns the stream."""
+        return self
+
+    def __exit__(self, *_: Any) -> None:
+        """Cancels the rest."""
+        self.cancel()
+
+
+class Client:
+    """Connections to a server, or to several equal ones. Any threads may use a client at once.
+
+    address: "HOST:PORT" or "unix:PATH", several with commas. None: a private server. It ends with the client, and with
+        this process, even if that is killed.
+    token: bearer token. The option token_file names a file that has one.
+    options: of the connection, and defaults of calls. help(latvox.Client.__init__) lists them.
+
+    Errors: Unavailable if no server can be reached or started; InvalidArgument.
+    """
+
+    def __init__(self, address: Optional[str] = None, *, token: Optional[str] = None, **options: Any) -> None:
+        """Connects, or starts a private server."""
+        _refuse_unknown(options, "connection", "call")
+        self._options = options if address is None else {**options, "server": address}
+        self._connection = _latvox.Connection(self._options, token or "", _server())
+
+    def voxelize(self, mesh: Any, *, progress: Optional[Progress] = None, **options: Any) -> Voxels:
+        """Voxelizes a mesh, and waits for all voxels. See latvox.voxelize."""
+        return _end(_begin(self, mesh, options), progress, 2)
+
+    def stream(self, mesh: Any, **options: Any) -> Stream:
+        """Begins to voxelize a mesh. See latvox.stream."""
+        return Stream(_begin(self, mesh, options, streams=True))
+
+    def voxelize_many(self, meshes: Iterable[Any], *, jobs: Optional[int] = None, **options: Any) -> Iterator[Voxels]:
+        """Voxelizes meshes, several at once. See latvox.voxelize_many."""
+        return _many(self, meshes, jobs, options)
+
+    def close(self) -> None:
+        """Ends the connection as soon as no call uses it. Further calls throw FailedPrecondition."""
+        self._connection.close()
+
+    def __enter__(self) -> Client:
+        """Returns the client."""
+        return self
+
+    def __exit__(self, *_: Any) -> None:
+        """Closes the client."""
+        self.close()
+
+
+def _many(client: Client, meshes: Iterable[Any], jobs: Optional[int], options: Dict[str, Any]) -> Iterator[Voxels]:
+    calls: collections.deque[_latvox.Call] = collections.deque()
+    most = jobs or os.cpu_count() or 1
+    try:
+        for mesh in meshes:
+            if len(calls) == most:
+                yield _end(calls.popleft(), None, 2)
+            calls.append(_begin(client, mesh, options))
+        while calls:
+            yield _end(calls.popleft(), None, 2)
+    finally:
+        for call in calls:
+            call.cancel()
+
+
+# Private servers of this process, by their number of threads.
+_private: Dict[Optional[int], Client] = {}
+_lock = threading.Lock()
+
+
+def _after_fork() -> None:
+    global _lock
+    _lock = threading.Lock()  # another thread may have held it
+    _latvox.leave_out_exit_handlers()
+
+
+os.register_at_fork(after_in_child=_after_fork)
+
+
+def _choose(options: Dict[str, Any]) -> tuple[Client, Dict[str, Any]]:
+    """Returns the client that the options name, and the other options."""
+    chosen = {name: options[name] for name in options if KEYWORDS.get(name, {}).get("scope") == "connection"}
+    others = {name: value for name, value in options.items() if name not in chosen}
+    _refuse_unknown(others, "request", "call")
+    if chosen.keys() - {"threads"}:
+        return Client(chosen.pop("server", None), **chosen), others
+    threads = chosen.get("threads")
+    with _lock:
+        if threads not in _private:
+            _private[threads] = Client(threads=threads)
+        return _private[threads], others
+
+
+def _forget(client: Client) -> None:
+    """A lost private server does not come back: the next call starts another one."""
+    with _lock:
+        for threads in [key for key, value in _private.items() if value is client]:
+            del _private[threads]
+
+
+def voxelize(mesh: Any, *, progress: Optional[Progress] = None, **options: Any) -> Voxels:
+    """Voxelizes a mesh, and waits for all voxels.
+
+    mesh: a path, or a list of paths, which form one mesh. Or (vertices, faces), arrays of (n, 3) numbers and (m, 3)
+        integers. Or a mesh of trimesh, meshio, PyVista or Open3D.
+    progress: called with the share of the work that is done, 0 to 1.
+    options: those of the tool's command voxelize, with _ in place of -. Lists are sequences, flags are True or False.
+
+    Without `server`, the first call starts a private server for this process, and later calls use it. Python can run
+    other threads meanwhile. KeyboardInterrupt cancels the call.
+
+    Errors: TypeError for a keyword argument that is none; a subclass of latvox.Error for anything else. Warnings:
+    latvox.VoxelizeWarning.
+    """
+    client, others = _choose(options)
+    try:
+        return _end(_begin(client, mesh, others), progress, 2)
+    except Unavailable:
+        _forget(client)
+        raise
+
+
+def stream(mesh: Any, **options: Any) -> Stream:
+    """Begins to voxelize a mesh, and returns its batches of bricks as they come. The memory is that of a few batches.
+
+    mesh, options: as for voxelize.
+    """
+    client, others = _choose(options)
+    return Stream(_begin(client, mesh, others, streams=True))
+
+
+def voxelize_many(meshes: Iterable[Any], *, jobs: Optional[int] = None, **options: Any) -> Iterator[Voxels]:
+    """Voxelizes meshes, several at once, and yields their voxels in the order of the meshes.
+
+    jobs: the most calls at once; None: one for each core. At most `jobs` answers are in memory.
+    options: as for voxelize, the same for all.
+
+    The first error ends it, and cancels the calls that run.
+    """
+    client, others = _choose(options)
+    return _many(client, meshes, jobs, others)
+
+
+def _describe(function: Callable, *scopes: str) -> None:
+    """Adds the keyword arguments to a function's signature and documentation, for help() and notebooks."""
+    known = {name: facts for name, facts in KEYWORDS.items() if facts["scope"] in scopes}
+    signature = inspect.signature(function)
+    parameters = [p for p in signature.parameters.values() if p.kind is not inspect.Parameter.VAR_KEYWORD]
+    parameters += [inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None) for name in known]
+    function.__signature__ = signature.replace(parameters=parameters)  # type: ignore[attr-defined]
+    lines = [
+        f"    {name}: {facts['help']}" + (f" (default: {facts['standard']})" if facts["standard"] else "")
+        for name, facts in known.items()
+    ]
+    function.__doc__ = inspect.cleandoc(function.__doc__ or "") + "\n\nOptions:\n" + "\n".join(lines) + "\n"
+
+
+for _function in (voxelize, stream, voxelize_many):
+    _describe(_function, "request", "call", "connection")
+for _function in (Client.voxelize, Client.stream, Client.voxelize_many):
+    _describe(_function, "request", "call")
+_describe(Client.__init__, "connection", "call")

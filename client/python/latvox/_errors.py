@@ -1,0 +1,104 @@
+"""Errors and warnings of latvox."""
+
+from __future__ import annotations
+
+from typing import Any, Optional
+
+
+class Error(Exception):
+    """A call that failed. Its text names the field, the value and the limit, as far as they are known."""
+
+    code = "UNKNOWN"  # the protocol's: one for each subclass
+    reason: Optional[str] = None  # UPPER_SNAKE_CASE, for programs, such as "BAD_SPEC"
+    field: Optional[str] = None  # the wrong field or keyword argument
+    value: Optional[str] = None  # its value
+    limit: Optional[str] = None  # the allowed limit
+    other: Optional[str] = None  # the field that excludes `field`, if the two together are wrong
+    retry_after: Optional[float] = None  # seconds after which the same call may succeed
+
+    def __init__(self, message: str, **facts: Any) -> None:
+        super().__init__(message)
+        self.__dict__.update(facts)
+
+
+class InvalidArgument(Error, ValueError):
+    """The request or the mesh is wrong."""
+
+    code = "INVALID_ARGUMENT"
+
+
+class NotFound(Error, FileNotFoundError):
+    """There is no such file."""
+
+    code = "NOT_FOUND"
+
+
+class FailedPrecondition(Error, RuntimeError):
+    """A file cannot be read or written, or a client is closed or belongs to another process."""
+
+    code = "FAILED_PRECONDITION"
+
+
+class ResourceExhausted(Error):
+    """A limit of the server is exceeded, or the server is full, or memory does not suffice."""
+
+    code = "RESOURCE_EXHAUSTED"
+
+
+class Unavailable(Error, ConnectionError):
+    """No server could be reached, started or kept."""
+
+    code = "UNAVAILABLE"
+
+
+class DeadlineExceeded(Error, TimeoutError):
+    """The timeout has passed."""
+
+    code = "DEADLINE_EXCEEDED"
+
+
+class Cancelled(Error):
+    """The call was cancelled."""
+
+    code = "CANCELLED"
+
+
+class Unauthenticated(Error, PermissionError):
+    """The server requires another token."""
+
+    code = "UNAUTHENTICATED"
+
+
+class Internal(Error):
+    """A defect of latvox."""
+
+    code = "INTERNAL"
+
+
+class DataLoss(Error):
+    """The server broke the protocol."""
+
+    code = "DATA_LOSS"
+
+
+class VoxelizeWarning(UserWarning):
+    """What a result is perhaps not, although there was no error."""
+
+    def __init__(self, message: str, code: str, element: str) -> None:
+        super().__init__(message)
+        self.message = message  # a sentence for people
+        self.code = code  # UPPER_SNAKE_CASE, for programs
+        self.element = element  # where: "line 7", "vertex 5"; "": the whole
+
+    def __reduce__(self) -> tuple:
+        return VoxelizeWarning, (self.message, self.code, self.element)
+
+
+_BY_CODE = {kind.code: kind for kind in Error.__subclasses__()}
+
+
+def error_of(code: str, message: str, facts: dict) -> Error:
+    """Returns the error of a status. The module _latvox calls it."""
+    error = _BY_CODE.get(code, Error)(message, **facts)
+    error.code = code
+    return error

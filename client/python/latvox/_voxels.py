@@ -1,0 +1,193 @@
+"""Voxels as arrays of numpy."""
+
+from __future__ import annotations
+
+import functools
+import json
+import os
+import pathlib
+import tempfile
+import warnings as python_warnings
+from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Tuple, Union
+
+import numpy as np
+
+from . import _latvox
+from ._errors import VoxelizeWarning
+
+_NOTES = ("EMPTY_SHARD",)  # warnings of a shard that is as it should be
+
+
+class Dense(NamedTuple):
+    """An array with an element for each lattice point of a box."""
+
+    data: np.ndarray  # (ni, nj, nk) bool, or (ni, nj, nk) or (ni, nj, nk, components) of a field
+    index_min: Tuple[int, int, int]  # the lattice point of data[0, 0, 0]
+    affine: np.ndarray  # (4, 4) float64: affine @ (a, b, c, 1) is the world position of data[a, b, c], a voxel's center
+
+
+class Bricks:
+    """Voxels, in bricks of 8 x 8 x 8.
+
+    n voxels have the same order in all arrays: brick after brick, and in each brick ascending by i, j, k. Positions and
+    lengths have the mesh's unit.
+    """
+
+    def __init__(self, voxels: _latvox.Voxels) -> None:
+        self._voxels = voxels
+
+    def __len__(self) -> int:
+        """Returns n, the number of voxels."""
+        return len(self._voxels)
+
+    @functools.cached_property
+    def ijk(self) -> np.ndarray:
+        """(n, 3) int32: lattice coordinates."""
+        return self._voxels.ijk()
+
+    @functools.cached_property
+    def points(self) -> np.ndarray:
+        """(n, 3) float64: world positions of the voxels' centers, origin + i*a + j*b + k*c."""
+        return self._voxels.points()
+
+    @property
+    def brick_ijk(self) -> np.ndarray:
+        """(b, 3) int32: lattice coordinates of the bricks, ijk >> 3. A view of the answer's memory."""
+        return self._voxels.brick_ijk()
+
+    @property
+    def masks(self) -> np.ndarray:
+        """(b, 8) uint64: voxel (x, y, z) of a brick is bit (y << 3 | z) of word x. A view of the answer's memory."""
+        return self._voxels.brick_masks()
+
+    @property
+    def fields(self) -> List[str]:
+        """Names of the fields that the voxels carry."""
+        return self._voxels.fields()
+
+    def __getitem__(self, field: str) -> np.ndarray:
+        """Returns the values of a field, (n,) or (n, components), in the order of ijk. A view of the answer's memory.
+
+        part, material, triangle: uint32. color: (n, 3) uint8. distance: float32. point: (n, 2) float32. normal: (n, 3)
+        float32. fraction: uint16. links: (n, len(neighbors)) float32, and likewise link_triangles and link_crossings.
+        """
+        return self._voxels.field(field)
+
+    def __contains__(self, field: object) -> bool:
+        """Returns whether the voxels carry a field."""
+        return field in self.fields
+
+    def names(self, field: str) -> List[str]:
+        """Returns the mesh file's names of the numbers of "part" or "material"; [] if it has none."""
+        return self._voxels.names(field)
+
+    @property
+    def basis(self) -> np.ndarray:
+        """(3, 3) float64: row n is the world vector of one step along index n."""
+        return np.array(self._voxels.basis())
+
+    @property
+    def origin(self) -> np.ndarray:
+        """(3,) float64: world position of lattice point (0, 0, 0)."""
+        return np.array(self._voxels.origin())
+
+    @property
+    def affine(self) -> np.ndarray:
+        """(4, 4) float64: affine @ (i, j, k, 1) is the world position of a lattice point."""
+        affine = np.eye(4)
+        affine[:3, :3], affine[:3, 3] = self.basis.T, self.origin
+        return affine
+
+    @property
+    def voxel_size(self) -> float:
+        """Edge of a cube with a voxel's volume."""
+        return self._voxels.voxel_size()
+
+    @property
+    def neighbors(self) -> np.ndarray:
+        """(m, 3) int32: the lattice vectors to which the columns of fields of links belong; (0, 3) without such fields."""
+        return np.array(self._voxels.neighbors(), np.int32).reshape(-1, 3)
+
+    @property
+    def progress(self) -> float:
+        """The share of the call's work that was done when these voxels came, 0 to 1."""
+        return self._voxels.progress
+
+
+class Voxels(Bricks):
+    """The answer of a call."""
+
+    @functools.cached_property
+    def report(self) -> Dict[str, Any]:
+        """All facts about the call: the object that `latvox voxelize --json` prints."""
+        return json.loads(self._voxels.report)
+
+    @property
+    def certificate(self) -> Dict[str, Any]:
+        """What is proved or checked about the voxels: report["certificate"]."""
+        return self.report["certificate"]
+
+    @property
+    def lattice(self) -> str:
+        """ "cartesian", "bcc", "fcc", "hexagonal", "stretched-" and one of these, or "basis"."""
+        return self.report["lattice"]
+
+    @property
+    def digest(self) -> str:
+        """Identifies the set of voxels: equal sets have equal digests."""
+        return self.report["digest"]
+
+    @functools.cached_property
+    def warnings(self) -> List[VoxelizeWarning]:
+        """What is probably not meant, in the order of its discovery. Python's warnings have shown them."""
+        return [VoxelizeWarning(each["message"], each["code"], each["element"]) for each in self.report["warnings"]]
+
+    def warn(self, depth: int) -> None:
+        """Shows the warnings, at the caller of `depth` functions."""
+        for warning in self.warnings:
+            if warning.code not in _NOTES:
+                python_warnings.warn(warning, stacklevel=depth)
+
+    @property
+    def index_box(self) -> Optional[Tuple[np.ndarray, np.ndarray]]:
+        """Low and high corner of a box of all voxels, low <= ijk < high; None: the box has no lattice point."""
+        box = self._voxels.index_box()
+        return None if box is None else (np.array(box[0], np.int32), np.array(box[1], np.int32))
+
+    def dense(
+        self, field: Optional[str] = None, box: Optional[Tuple[Sequence[int], Sequence[int]]] = None
+    ) -> Dense:
+        """Returns an array with an element for each lattice point.
+
+        field: the field whose values it has; between the voxels they are NaN or 0. None: True for voxels.
+        box: (low, high), two lattice points: low <= ijk < high; None: index_box.
+
+        Memory: a byte, or the bytes of the field, for each point. More than 2**30 points are an error.
+        """
+        corners = None if box is None else tuple(tuple(int(x) for x in corner) for corner in box)
+        data, low = self._voxels.dense(corners, field or "")
+        affine = self.affine
+        affine[:3, 3] += self.basis.T @ np.array(low)
+        return Dense(data, low, affine)
+
+    def save(self, path: Union[str, os.PathLike], npy: str = "coordinates") -> None:
+        """Writes a file in the format of its extension, as `latvox voxelize -o` does; see EXTENSIONS.
+
+        An existing file is replaced, once the new one is complete.
+        npy: content of a .npy, "coordinates" or "dense".
+        """
+        if npy not in ("coordinates", "dense"):
+            raise ValueError(f'npy: "{npy}" is not one of coordinates, dense')
+        self._voxels.save(os.fspath(path), npy == "dense")
+
+    def _repr_png_(self) -> bytes:
+        """Returns a picture, for notebooks."""
+        with tempfile.TemporaryDirectory() as directory:
+            path = pathlib.Path(directory) / "voxels.png"
+            self.save(path)
+            return path.read_bytes()
+
+    def __repr__(self) -> str:
+        """Returns a line about the voxels."""
+        fields = f", fields {self.fields}" if self.fields else ""
+        return f"<latvox.Voxels: {len(self)} voxels, {self.lattice}, voxel size {self.voxel_size:g}{fields}>"

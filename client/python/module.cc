@@ -1,0 +1,78 @@
+// The module latvox._latvox. The package around it, in client/python/latvox, is what users see.
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include "client/python/arguments.h"
+#include "client/python/call.h"
+#include "client/python/voxels.h"
+#include "client/python/work.h"
+#include "client/tool/confined/reader_process.h"
+#include "client/tool/output/output.h"
+
+namespace latvox::client::python {
+namespace {
+
+namespace py = pybind11;
+using py::arg;
+
+void BindVoxels(py::module_& module) {
+  py::class_<Voxels, SharedVoxels>(module, "Voxels")
+      .def("__len__", [](const Voxels& voxels) { return CountVoxels(voxels); })
+      .def_readonly("progress", &Voxels::progress)
+      .def_readonly("report", &Voxels::report)
+      .def("brick_ijk", &BrickIjk)
+      .def("brick_masks", &BrickMasks)
+      .def("ijk", &Ijk)
+      .def("points", &Points)
+      .def("fields", &FieldNames)
+      .def("names", &NamesOfField, arg("field"))
+      .def("field", &FieldArray, arg("name"))
+      .def("basis",
+           [](const Voxels& voxels) {
+             const Basis& basis = voxels.all.accepted.grid.basis;
+             return std::array{basis.a, basis.b, basis.c};
+           })
+      .def("origin", [](const Voxels& voxels) { return voxels.all.accepted.grid.origin; })
+      .def("voxel_size", [](const Voxels& voxels) { return voxels.all.accepted.grid.voxel_size; })
+      .def("neighbors", [](const Voxels& voxels) { return voxels.all.accepted.neighbors; })
+      .def("index_box",
+           [](const Voxels& voxels) -> std::optional<std::pair<Vec3i, Vec3i>> {
+             const auto& box = voxels.all.accepted.index_box;
+             return box ? std::optional(std::pair(box->min, box->max)) : std::nullopt;
+           })
+      .def(
+          "dense",
+          [](const Voxels& voxels, const std::optional<std::pair<Vec3i, Vec3i>>& box, const std::string& field) {
+            return Dense(voxels, box ? std::optional(IndexBox{box->first, box->second}) : std::nullopt, field);
+          },
+          arg("box"), arg("field"))
+      .def("save", &Save, arg("path"), arg("dense_npy"));
+}
+
+void BindCalls(py::module_& module) {
+  py::class_<Connection>(module, "Connection")
+      .def(py::init<const py::dict&, const std::string&, const std::string&>(), arg("keywords"), arg("token"),
+           arg("program"))
+      .def("close", &Connection::Close);
+  py::class_<Call>(module, "Call")
+      .def(py::init<const Connection&, const py::object&, const py::dict&, bool>(), arg("connection"), arg("mesh"),
+           arg("keywords"), arg("streams"))
+      .def("wait", &Call::Wait, arg("progress"))
+      .def("next", &Call::Next)
+      .def("cancel", &Call::Cancel);
+}
+
+}  // namespace
+
+PYBIND11_MODULE(_latvox, module) {
+  module.doc() = "The SDK and the options of the tool. Use the package latvox, which describes them.";
+  module.attr("version") = LATVOX_VERSION;
+  module.def("keywords", &Keywords);
+  module.def("set_reader_program", &SetReaderProgram, arg("path"));
+  module.def("leave_out_exit_handlers", &LeaveOutExitHandlers);
+  module.def("extensions", &OutputExtensions);
+  BindVoxels(module);
+  BindCalls(module);
+}
+
+}  // namespace latvox::client::python

@@ -1,0 +1,177 @@
+#include "client/python/voxels.h"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "client/python/status.h"
+#include "latvox/dense.h"
+#include "latvox/for_each_voxel.h"
+
+namespace latvox::client::python {
+namespace {
+
+namespace py = pybind11;
+
+py::dtype TypeOf(Field field) {
+  constexpr const char* kTypes[] = {"u1", "<u2", "<u4", "<f4"};  // in the order of NumberType
+  return py::dtype(kTypes[static_cast<size_t>(FactsOf(field).type)]);
+}
+
+// Returns an object of Python that owns the value.
+template <class T>
+py::capsule Owner(T value) {
+  return py::capsule(new T(std::move(value)), [](void* owned) { delete static_cast<T*>(owned); });
+}
+
+py::array ReadOnly(py::array array) {
+  array.attr("flags").attr("writeable") = false;
+  return array;
+}
+
+const FieldValues& Find(const std::vector<FieldValues>& fields, const std::string& name) {
+  for (const FieldValues& values : fields) {
+    if (NameOf(values.field) == name) return values;
+  }
+  throw py::key_error(absl::StrCat("voxels carry no field '", name, "'; request it by fields=['", name, "']"));
+}
+
+// Returns an array of all voxels, three numbers each.
+template <class T, class Visit>
+py::array Rows(const Voxels& voxels, const Visit& visit) {
+  py::array_t<T> rows({static_cast<py::ssize_t>(CountVoxels(voxels)), py::ssize_t{3}});
+  T* next = rows.mutable_data();
+  const py::gil_scoped_release release;
+  for (const Brick& brick : voxels.all.bricks) {
+    ForEachVoxel(brick, [&](const Vec3i& ijk) { next = std::ranges::copy(visit(ijk), next).out; });
+  }
+  return std::move(rows);
+}
+
+// Returns a view of the same member of all bricks.
+template <class T, size_t N>
+py::array OfBricks(const SharedVoxels& voxels, std::array<T, N> Brick::*member) {
+  static const Brick kNone{};
+  const std::vector<Brick>& bricks = voxels->all.bricks;
+  const Brick* const first = bricks.empty() ? &kNone : bricks.data();
+  const std::vector<py::ssize_t> shape = {static_cast<py::ssize_t>(bricks.size()), N},
+                                 strides = {sizeof(Brick), sizeof(T)};
+  return ReadOnly(py::array(py::dtype::of<T>(), shape, strides, (first->*member).data(), Owner(voxels)));
+}
+
+}  // namespace
+
+absl::Status VoxelsOutput::Begin(const Accepted& accepted) {
+  Voxelization& all = voxels_->all;
+  all.accepted = accepted;
+  for (const Field field : voxels_->request.fields) {
+    all.fields.push_back({field, {}, FactsOf(field).is_of_links() ? accepted.neighbors.size() : 0});
+  }
+  return absl::OkStatus();
+}
+
+absl::Status VoxelsOutput::Add(const BrickBatch& batch) {
+  Voxelization& all = voxels_->all;
+  voxels_->progress = batch.progress;
+  all.bricks.insert(all.bricks.end(), batch.bricks.begin(), batch.bricks.end());
+  for (FieldValues& values : all.fields) {
+    const std::vector<std::byte>& more = FindField(batch.fields, values.field)->bytes;
+    values.bytes.insert(values.bytes.end(), more.begin(), more.end());
+  }
+  return absl::OkStatus();
+}
+
+absl::Status VoxelsOutput::Finish(const Summary& summary) {
+  voxels_->all.summary = summary;
+  return absl::OkStatus();
+}
+
+size_t CountVoxels(const Voxels& voxels) {
+  size_t count = 0;
+  for (const Brick& brick : voxels.all.bricks) count += client::CountVoxels(brick);
+  return count;
+}
+
+py::array BrickIjk(const SharedVoxels& voxels) { return OfBricks(voxels, &Brick::brick_ijk); }
+
+py::array BrickMasks(const SharedVoxels& voxels) { return OfBricks(voxels, &Brick::mask); }
+
+py::array Ijk(const Voxels& voxels) {
+  return Rows<int32_t>(voxels, [](const Vec3i& ijk) { return ijk; });
+}
+
+py::array Points(const Voxels& voxels) {
+  return Rows<double>(voxels, [&grid = voxels.all.accepted.grid](const Vec3i& ijk) { return grid.ToWorld(ijk); });
+}
+
+py::list FieldNames(const Voxels& voxels) {
+  py::list names;
+  for (const FieldValues& values : voxels.all.fields) names.append(NameOf(values.field));
+  return names;
+}
+
+py::list NamesOfField(const Voxels& voxels, const std::string& field) {
+  py::list names;
+  for (const std::string& name : voxels.names.Of(Find(voxels.all.fields, field).field)) names.append(name);
+  return names;
+}
+
+py::array FieldArray(const SharedVoxels& voxels, const std::string& field) {
+  const FieldValues& values = Find(voxels->all.fields, field);
+  const py::ssize_t components = static_cast<py::ssize_t>(values.components());
+  std::vector<py::ssize_t> shape = {static_cast<py::ssize_t>(CountVoxels(*voxels))};
+  if (components != 1) shape.push_back(components);
+  return ReadOnly(py::array(TypeOf(values.field), shape, values.bytes.data(), Owner(voxels)));
+}
+
+py::tuple Dense(const Voxels& voxels, const std::optional<IndexBox>& box, const std::string& field) {
+  Field wanted = Field::kPart;
+  if (!field.empty()) wanted = Find(voxels.all.fields, field).field;
+  absl::StatusOr<DenseVoxels> made;
+  {
+    const py::gil_scoped_release release;
+    made = field.empty() ? ToDense(voxels.all.bricks, box.value_or(voxels.all.accepted.index_box.value_or(IndexBox{})))
+           : box         ? ToDense(voxels.all, *box)
+                         : ToDense(voxels.all);
+  }
+  DenseVoxels dense = Checked(std::move(made));
+  std::vector<py::ssize_t> shape(dense.shape.begin(), dense.shape.end());
+  const py::tuple low = py::make_tuple(dense.box.min[0], dense.box.min[1], dense.box.min[2]);
+  if (field.empty()) {
+    const uint8_t* const data = dense.voxels.data();
+    return py::make_tuple(py::array(py::dtype("?"), shape, data, Owner(std::move(dense.voxels))), low);
+  }
+  FieldValues& values = *std::ranges::find(dense.fields, wanted, &FieldValues::field);
+  if (values.components() != 1) shape.push_back(static_cast<py::ssize_t>(values.components()));
+  const std::byte* const data = values.bytes.data();
+  return py::make_tuple(py::array(TypeOf(wanted), shape, data, Owner(std::move(values.bytes))), low);
+}
+
+namespace {
+
+absl::Status Write(const Voxels& voxels, const std::string& path, const OutputOptions& options) {
+  const auto output = OpenOutput(path, voxels.request, options);
+  if (!output.ok()) return output.status();
+  (*output)->SetNames(voxels.names);
+  if (absl::Status status = (*output)->Begin(voxels.all.accepted); !status.ok()) return status;
+  const BrickBatch batch{voxels.all.bricks, 1, voxels.all.fields};
+  if (absl::Status status = (*output)->Add(batch); !status.ok()) return status;
+  if (absl::Status status = (*output)->Finish(voxels.all.summary); !status.ok()) return status;
+  return (*output)->Commit();
+}
+
+}  // namespace
+
+void Save(const Voxels& voxels, const std::string& path, bool dense_npy) {
+  OutputOptions options = voxels.output_options;
+  options.dense_npy = dense_npy;
+  absl::Status written;
+  {
+    const py::gil_scoped_release release;
+    written = Write(voxels, path, options);
+  }
+  Check(written);
+}
+
+}  // namespace latvox::client::python

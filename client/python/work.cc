@@ -1,0 +1,110 @@
+#include "client/python/work.h"
+
+#include <pybind11/pybind11.h>
+
+#include <atomic>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <new>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "client/python/status.h"
+#include "deploy/process/exhaustion.h"
+
+namespace latvox::client::python {
+namespace {
+
+namespace py = pybind11;
+
+constexpr auto kGlance = std::chrono::milliseconds(50);
+
+}  // namespace
+
+absl::Status CheckProcess() {
+  static std::atomic<pid_t> first = 0;
+  pid_t process = 0;
+  if (first.compare_exchange_strong(process, getpid()) || process == getpid()) return absl::OkStatus();
+  return absl::FailedPreconditionError(
+      absl::StrCat("process ", getpid(), " is a fork of process ", process,
+                   ", which had used latvox before; use latvox only after the fork, or start processes by "
+                   "multiprocessing's spawn or forkserver"));
+}
+
+void LeaveOutExitHandlers() {
+  // The last handler runs first.
+  const auto end = [](int status, void*) {
+    std::fflush(nullptr);
+    _exit(status);
+  };
+  if (on_exit(end, nullptr) != 0) throw std::bad_alloc();
+}
+
+Work::Work(std::function<absl::Status(Work&)> work)
+    : thread_([this, work = std::move(work)] {
+        absl::Status status;
+        try {
+          status = work(*this);
+        } catch (const std::exception& error) {
+          status = StatusOf(error);
+        }
+        Change([&] {
+          status_ = std::move(status);
+          ended_ = true;
+        });
+      }) {}
+
+Work::~Work() {
+  Cancel();
+  Join();
+}
+
+void Work::Join() {
+  const py::gil_scoped_release release;
+  if (thread_.joinable()) thread_.join();
+}
+
+void Work::Cancel() {
+  cancellation_.Cancel();
+  Change([] {});
+}
+
+void Work::Change(const std::function<void()>& change) {
+  const std::lock_guard lock(mutex_);
+  change();
+  changed_.notify_all();
+}
+
+absl::Status Work::AwaitReady(const std::function<bool()>& is_ready) {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [&] { return cancellation_.cancelled() || is_ready(); });
+  return cancellation_.cancelled() ? absl::CancelledError("cancelled") : absl::OkStatus();
+}
+
+void Work::Await(const std::function<bool()>& is_ready, const std::function<void()>& glance) {
+  for (;;) {
+    {
+      const py::gil_scoped_release release;
+      std::unique_lock lock(mutex_);
+      if (changed_.wait_for(lock, kGlance, [&] { return ended_ || is_ready(); })) return;
+    }
+    try {
+      if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+      if (glance) glance();
+    } catch (const py::error_already_set&) {
+      Cancel();
+      Join();
+      throw;
+    }
+  }
+}
+
+void Run(const std::function<absl::Status(Work&)>& work) {
+  Work running(work);
+  running.Await([] { return false; });
+  Check(running.status());
+}
+
+}  // namespace latvox::client::python

@@ -1,0 +1,281 @@
+"""Servers, streams, threads, interrupts, forks and kills."""
+
+import concurrent.futures
+import os
+import pathlib
+import pickle
+import signal
+import socket
+import threading
+import time
+
+import harness
+import latvox
+import numpy as np
+import pytest
+from harness import BUNNY, octahedron
+from tls_test import Authority
+
+MESH = tuple(np.array(part, float if n == 0 else int) for n, part in enumerate(octahedron()))
+TOKEN = "alice-0123456789"
+LONG = {"resolution": 6000, "verify": True}  # of the bunny: some seconds
+
+
+def servers_of(pid):
+    """Returns the ids of the latvoxd that a process has started."""
+    found = []
+    for stat in pathlib.Path("/proc").glob("[0-9]*/stat"):
+        try:
+            name, rest = stat.read_text().split("(", 1)[1].rsplit(")", 1)
+        except OSError:
+            continue
+        if name == "latvoxd" and int(rest.split()[1]) == pid:
+            found.append(int(stat.parent.name))
+    return found
+
+
+def await_true(condition, seconds=20):
+    deadline = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < deadline
+        time.sleep(0.02)
+
+
+def ended(pid):
+    try:
+        return pathlib.Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] == "Z"
+    except OSError:
+        return True
+
+
+def test_one_private_server_serves_all_calls_of_the_process():
+    for resolution in (10, 11):
+        latvox.voxelize(MESH, resolution=resolution)
+    before = servers_of(os.getpid())
+    with concurrent.futures.ThreadPoolExecutor(4) as pool:
+        digests = list(pool.map(lambda n: latvox.voxelize(MESH, resolution=20 + n % 2).digest, range(12)))
+    assert len(set(digests)) == 2 and digests[0::2] == digests[:1] * 6
+    assert servers_of(os.getpid()) == before
+
+
+def test_a_client_ends_its_server():
+    before = set(servers_of(os.getpid()))
+    with latvox.Client(threads=1) as client:
+        (own,) = set(servers_of(os.getpid())) - before
+        assert "--threads\x001" in pathlib.Path(f"/proc/{own}/cmdline").read_text()
+        stream = client.stream(MESH, resolution=30)
+    assert sum(map(len, stream)) > 0  # the stream keeps the connection
+    del stream
+    assert set(servers_of(os.getpid())) == before
+    with pytest.raises(latvox.FailedPrecondition, match="closed"):
+        client.voxelize(MESH)
+
+
+def test_a_lost_private_server_is_replaced():
+    latvox.voxelize(MESH, resolution=9, threads=2)
+    client = latvox._calls._private[2]
+    (lost,) = [pid for pid in servers_of(os.getpid()) if "--threads\x002" in pathlib.Path(f"/proc/{pid}/cmdline").read_text()]
+    os.kill(lost, signal.SIGKILL)
+    with pytest.raises(latvox.Unavailable) as caught:
+        latvox.voxelize(MESH, resolution=9, threads=2)
+    assert isinstance(caught.value, ConnectionError)
+    assert latvox.voxelize(MESH, resolution=9, threads=2).digest
+    assert latvox._calls._private.pop(2) is not client
+
+
+def test_tls_and_a_token(tmp_path):
+    authority = Authority(tmp_path, "authority")
+    certificate, key = authority.issue("server", "server", "subjectAltName=IP:127.0.0.1")
+    (tmp_path / "tokens").write_text(f"alice {TOKEN}\n")
+    (tmp_path / "tokens").chmod(0o600)
+    (tmp_path / "token").write_text(f"{TOKEN}\n")
+    options = ["--tls-cert", certificate, "--tls-key", key, "--token-file", tmp_path / "tokens"]
+    with harness.server(tmp_path, "--listen", "127.0.0.1:0", *options):
+        address = harness.await_log(tmp_path, r"event=listening address=(127\.0\.0\.1:\d+)")
+        ca = {"tls_ca": authority.root}
+        expected = latvox.voxelize(MESH, resolution=20)
+        with latvox.Client(address, token=TOKEN, **ca) as client:
+            v = client.voxelize(MESH, resolution=20)
+            assert np.array_equal(v.ijk, expected.ijk) and v.digest == expected.digest
+            assert v.report["certificate"]["quantization_bits"] == expected.certificate["quantization_bits"]
+            with pytest.raises(TypeError, match="server"):
+                client.voxelize(MESH, server=address)
+        assert latvox.voxelize(MESH, resolution=20, server=address, token_file=tmp_path / "token", **ca).digest == v.digest
+        with pytest.raises(latvox.Unauthenticated) as caught, latvox.Client(address, token="bob-0123456789", **ca) as client:
+            client.voxelize(MESH, resolution=20)
+        assert isinstance(caught.value, PermissionError)
+        with pytest.raises(latvox.Unavailable):
+            latvox.Client(address, token=TOKEN, tls=True, timeout=5)
+
+
+def test_wrong_connections():
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        with pytest.raises(latvox.Unavailable, match="127.0.0.1"):
+            latvox.Client(f"127.0.0.1:{free.getsockname()[1]}")
+    with pytest.raises(latvox.InvalidArgument, match="no port"):
+        latvox.Client("no port")
+    with pytest.raises(latvox.InvalidArgument, match="tls_ca requires server"):
+        latvox.Client(tls_ca="root.crt")
+    with pytest.raises(TypeError, match="resolution"):
+        latvox.Client(resolution=5)
+
+
+def test_a_stream_is_the_whole_in_order():
+    v = latvox.voxelize(BUNNY, resolution=600, fields=["distance", "normal"])
+    with latvox.stream(BUNNY, resolution=600, fields=["distance", "normal"]) as stream:
+        batches = list(stream)
+        assert len(batches) > 3
+        for name in ("ijk", "points", "masks", "brick_ijk"):
+            assert np.array_equal(np.concatenate([getattr(batch, name) for batch in batches]), getattr(v, name)), name
+        for name in v.fields:
+            assert np.array_equal(np.concatenate([batch[name] for batch in batches]), v[name], equal_nan=True)
+        shares = [batch.progress for batch in batches]
+        assert shares == sorted(shares) and 0 < shares[0] and shares[-1] <= 1
+        answer = stream.finish()
+        assert (answer.digest, answer.report["voxels"], len(answer)) == (v.digest, len(v), 0)
+
+
+def test_a_stream_ends_when_it_is_left_or_wrong():
+    with latvox.stream(BUNNY, **LONG) as stream:
+        next(stream)
+    with pytest.raises(latvox.Cancelled):
+        list(stream)
+    start = time.monotonic()
+    dropped = latvox.stream(BUNNY, **LONG)
+    next(dropped)
+    del dropped
+    assert time.monotonic() - start < 5
+    with pytest.raises(latvox.NotFound):
+        next(latvox.stream("missing.obj"))
+
+
+def test_many_meshes_come_in_their_order():
+    meshes = [(MESH[0] * (n + 1), MESH[1]) for n in range(9)]
+    answers = list(latvox.voxelize_many(iter(meshes), jobs=3, voxel_size=0.25))
+    assert [v.digest for v in answers] == [latvox.voxelize(mesh, voxel_size=0.25).digest for mesh in meshes]
+    wrong = latvox.voxelize_many([MESH, "missing.obj", MESH], jobs=2, resolution=9)
+    assert len(next(wrong)) > 0
+    with pytest.raises(latvox.NotFound):
+        next(wrong)
+
+
+def test_progress_grows_and_an_error_in_it_ends_the_call():
+    shares = []
+    latvox.voxelize(BUNNY, resolution=2500, progress=shares.append)
+    assert shares and shares == sorted(shares) and 0 <= shares[0] and shares[-1] <= 1
+
+    def fail(share):
+        raise LookupError(share)
+
+    with pytest.raises(LookupError):
+        latvox.voxelize(BUNNY, progress=fail, **LONG)
+
+
+def test_timeout():
+    with pytest.raises(latvox.DeadlineExceeded) as caught:
+        latvox.voxelize(BUNNY, timeout=0.2, **LONG)
+    assert isinstance(caught.value, TimeoutError)
+
+
+def test_other_threads_run_meanwhile():
+    counted, stop = [0], threading.Event()
+
+    def count():
+        while not stop.wait(0.001):
+            counted[0] += 1
+
+    thread = threading.Thread(target=count)
+    thread.start()
+    latvox.voxelize(BUNNY, resolution=1500)
+    stop.set()
+    thread.join()
+    assert counted[0] > 20
+
+
+def test_errors_can_be_pickled():
+    with pytest.raises(latvox.InvalidArgument) as caught:
+        latvox.voxelize(MESH, resolution=1)
+    again = pickle.loads(pickle.dumps(caught.value))
+    assert (str(again), again.field, type(again)) == (str(caught.value), "resolution", latvox.InvalidArgument)
+    warning = pickle.loads(pickle.dumps(latvox.VoxelizeWarning("text", "CODE", "")))
+    assert (str(warning), warning.code) == ("text", "CODE")
+
+
+SIGNALLED = """
+import latvox, os, sys, time
+latvox.voxelize(os.environ["BUNNY"], resolution=9)
+print("ready", flush=True)
+try:
+    {call}
+except KeyboardInterrupt:
+    print("interrupted", flush=True)
+    print(len(latvox.voxelize(os.environ["BUNNY"], resolution=9)) > 0, flush=True)
+"""
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        "latvox.voxelize(os.environ['BUNNY'], resolution=6000, verify=True)",
+        "[time.sleep(1) for _ in latvox.stream(os.environ['BUNNY'], resolution=6000, verify=True)]",
+        "list(latvox.voxelize_many([os.environ['BUNNY']] * 4, jobs=2, resolution=4000, verify=True))",
+    ],
+)
+def test_an_interrupt_cancels_the_call(run, call):
+    process = run(SIGNALLED.format(call=call))
+    assert process.stdout.readline() == "ready\n"
+    time.sleep(0.5)
+    start = time.monotonic()
+    process.send_signal(signal.SIGINT)
+    assert process.stdout.readline() == "interrupted\n"
+    assert time.monotonic() - start < 3
+    assert process.communicate(timeout=30) == ("True\n", "")
+    assert process.returncode == 0
+
+
+def test_a_killed_process_leaves_no_server(run):
+    process = run(SIGNALLED.format(call="latvox.voxelize(os.environ['BUNNY'], resolution=6000, verify=True)"))
+    assert process.stdout.readline() == "ready\n"
+    (server,) = servers_of(process.pid)
+    process.kill()
+    await_true(lambda: ended(server))
+
+
+def test_a_process_that_ends_leaves_no_server(run):
+    process = run("import latvox, os\nlatvox.voxelize(os.environ['BUNNY'], resolution=9)\nprint(os.getpid(), flush=True)\ninput()")
+    process.stdout.readline()
+    (server,) = servers_of(process.pid)
+    process.communicate()
+    await_true(lambda: ended(server))
+
+
+FORKED = """
+import latvox, os, sys, warnings
+mesh = os.environ["BUNNY"]
+{before}
+pid = os.fork()
+if pid == 0:
+    try:
+        print(len(latvox.voxelize(mesh, resolution=9)), flush=True)
+    except latvox.FailedPrecondition as error:
+        print(error, flush=True)
+    sys.exit(0)
+assert os.waitpid(pid, 0) == (pid, 0)
+print(len(latvox.voxelize(mesh, resolution=9)))
+"""
+
+
+def test_a_fork_before_the_first_call_has_its_own_server(run):
+    out, error = run(FORKED.format(before="")).communicate(timeout=20)
+    lines = out.split()
+    assert error == "" and len(lines) == 2 and lines[0] == lines[1]
+
+
+def test_a_fork_after_a_call_refuses_and_leaves_the_parents_server_alone(run):
+    before = "client, v = latvox.Client(), latvox.voxelize(mesh, resolution=9)\nstream = client.stream(mesh, resolution=900)"
+    process = run(FORKED.format(before=before))
+    out, error = process.communicate(timeout=20)
+    assert error == "" and process.returncode == 0, (out, error)
+    refusal, count = out.splitlines()
+    assert f"is a fork of process {process.pid}, which had used latvox before" in refusal and count.isdigit()

@@ -1,0 +1,246 @@
+"""Meshes come as files, arrays, and objects of other packages."""
+
+import pathlib
+import types
+
+import latvox
+import meshio
+import numpy as np
+import pytest
+from harness import BUNNY, box, encode_drc, octahedron, write_obj, write_ply, write_stl
+
+VERTICES, TRIANGLES = (np.array(part) for part in octahedron())
+BOX = box([0] * 3, [1] * 3)
+OPTIONS = {"resolution": 20, "lattice": "fcc"}
+
+
+@pytest.fixture(scope="module")
+def digest():
+    return latvox.voxelize((VERTICES.astype(float), TRIANGLES), **OPTIONS).digest
+
+
+@pytest.mark.parametrize("vertices", [np.float64, np.float32, np.int32, np.uint8])
+@pytest.mark.parametrize("faces", [np.int32, np.int64, np.uint32, np.uint64, np.int16])
+def test_arrays_of_any_type(vertices, faces, digest):
+    moved = VERTICES + (1 if vertices == np.uint8 else 0)
+    v = latvox.voxelize((moved.astype(vertices), TRIANGLES.astype(faces)), **OPTIONS)
+    assert v.digest == digest
+    assert v.report["mesh"]["triangles"] == 8
+
+
+@pytest.mark.parametrize("change", [np.asfortranarray, lambda a: np.repeat(a, 2, 0)[::2], np.ndarray.tolist])
+def test_arrays_of_any_layout(change, digest):
+    assert latvox.voxelize((change(VERTICES.astype(float)), change(TRIANGLES)), **OPTIONS).digest == digest
+
+
+def test_arrays_equal_a_file_bit_for_bit(tool):
+    rows = [line.split() for line in BUNNY.read_text().splitlines()]
+    vertices = [[float(x) for x in row[1:4]] for row in rows if row[:1] == ["v"]]
+    triangles = [[int(corner.split("/")[0]) - 1 for corner in row[1:]] for row in rows if row[:1] == ["f"]]
+    path, report = tool.voxelize(BUNNY, "--resolution", "64", "--fields", "triangle,point")
+    v = latvox.voxelize((np.array(vertices), np.array(triangles)), resolution=64, fields=["triangle", "point"])
+    assert v.digest == report["digest"]
+    assert np.array_equal(v["triangle"], np.load(path)["triangle"])
+    assert np.array_equal(v["point"], np.load(path)["point"])
+
+
+def test_positions_are_doubles(tool):
+    far = VERTICES + np.array([1e7, 1e6 + 0.1, -1e7])
+    v, w = (latvox.voxelize((points, TRIANGLES), resolution=20) for points in (far, VERTICES.astype(float)))
+    assert np.array_equal(v.ijk, w.ijk)
+    assert np.allclose(v.points - w.points, [1e7, 1e6 + 0.1, -1e7], rtol=0, atol=1e-7)
+
+
+def test_arrays_are_turned_and_scaled_like_files(tmp_path):
+    mesh = write_obj(tmp_path / "box.obj", BOX)
+    vertices, faces = (np.array(part, float if n == 0 else int) for n, part in enumerate(BOX))
+    options = {"up_axis": "y", "scale": 2.5, "voxel_size": 0.25}
+    v = latvox.voxelize((vertices, faces), **options)
+    assert np.array_equal(v.points, latvox.voxelize(mesh, **options).points)
+    assert v.points.max(0).tolist() == [2.5, 0, 2.5]
+
+
+@pytest.mark.parametrize("write", [write_obj, write_ply, write_stl])
+def test_paths(write, tmp_path, digest):
+    path = write(tmp_path / f"mesh.{write.__name__[-3:]}", octahedron())
+    for mesh in (path, str(path), [path]):
+        assert latvox.voxelize(mesh, **OPTIONS).digest == digest
+
+
+def test_several_paths_form_one_mesh(tmp_path, tool):
+    paths = [write_obj(tmp_path / f"{n}.obj", box([n] * 3, [n + 0.5] * 3)) for n in range(2)]
+    v = latvox.voxelize(paths, voxel_size=0.25, fields="part")
+    assert sorted(set(v["part"])) == [0, 1]
+    assert v.names("part") == ["0.obj", "1.obj"]
+
+
+def test_draco(tmp_path, digest):
+    path = encode_drc(tmp_path / "mesh.drc", write_obj(tmp_path / "mesh.obj", octahedron()))
+    assert latvox.voxelize(path, **OPTIONS).digest == digest
+
+
+def test_a_path_is_never_standard_input():
+    with pytest.raises(latvox.Error, match="-"):
+        latvox.voxelize("-", input_format="obj")
+
+
+class Trimesh:
+    """As trimesh.Trimesh."""
+
+    def __init__(self, colors=None):
+        self.vertices, self.faces = VERTICES.astype(float), TRIANGLES
+        self.visual = types.SimpleNamespace(kind="vertex" if colors is not None else None, vertex_colors=colors)
+
+
+class Scene:
+    """As trimesh.Scene."""
+
+    geometry, graph = {}, None
+
+    def to_mesh(self):
+        return Trimesh()
+
+
+class Open3d:
+    """As open3d.geometry.TriangleMesh."""
+
+    def __init__(self, colors=()):
+        self.vertices, self.triangles, self.vertex_colors = VERTICES.tolist(), TRIANGLES.tolist(), colors
+
+
+class Tensor:
+    """As open3d.core.Tensor."""
+
+    def __init__(self, array):
+        self.array = array
+
+    def numpy(self):
+        return self.array
+
+
+class Open3dTensors:
+    """As open3d.t.geometry.TriangleMesh."""
+
+    def __init__(self, **more):
+        self.vertex = {"positions": Tensor(VERTICES.astype(np.float32)), **more}
+        self.triangle = {"indices": Tensor(TRIANGLES)}
+
+
+class PolyData:
+    """As pyvista.PolyData."""
+
+    def __init__(self, faces):
+        self.points, self.faces, self.n_strips = VERTICES.astype(np.float32), np.concatenate(faces), 0
+
+    def GetPoints(self):
+        return self.points
+
+
+class Grid:
+    """As pyvista.UnstructuredGrid: its cells are a flat array."""
+
+    points, cells = VERTICES, np.arange(3)
+
+    def GetPoints(self):
+        return self.points
+
+    def extract_surface(self):
+        return PolyData([[3, *t] for t in TRIANGLES])
+
+
+OBJECTS = [
+    Trimesh(),
+    Scene(),
+    Open3d(),
+    Open3dTensors(),
+    PolyData([[3, *t] for t in TRIANGLES]),
+    Grid(),
+    meshio.Mesh(VERTICES.astype(float), [("triangle", TRIANGLES[:3]), ("line", TRIANGLES[:, :2]), ("triangle", TRIANGLES[3:])]),
+]
+
+
+@pytest.mark.parametrize("mesh", OBJECTS, ids=lambda mesh: type(mesh).__name__)
+def test_objects_of_other_packages(mesh, digest):
+    assert latvox.voxelize(mesh, **OPTIONS).digest == digest
+
+
+def test_files_of_meshio(tmp_path, digest):
+    meshio.read(write_stl(tmp_path / "mesh.stl", octahedron())).write(tmp_path / "mesh.vtk")
+    assert latvox.voxelize(meshio.read(tmp_path / "mesh.vtk"), **OPTIONS).digest == digest
+
+
+def test_polygons_are_cut_like_those_of_files(tmp_path):
+    vertices, _ = BOX
+    quads = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
+    path = tmp_path / "box.obj"
+    lines = ["v %d %d %d" % v for v in vertices] + ["f " + " ".join(str(c + 1) for c in quad) for quad in quads]
+    path.write_text("\n".join(lines))
+    options = {"resolution": 8, "fields": "triangle"}
+    expected = latvox.voxelize(path, **options)
+    mixed = PolyData([[4, *quads[0]], [2, 0, 1], [4, *quads[1]], [3, *quads[2][:3]], [3, *quads[2][::2], quads[2][3]]])
+    for mesh in (
+        (np.array(vertices, float), np.array(quads)),
+        meshio.Mesh(np.array(vertices, float), [("quad", np.array(quads))]),
+    ):
+        v = latvox.voxelize(mesh, **options)
+        assert np.array_equal(v.ijk, expected.ijk) and np.array_equal(v["triangle"], expected["triangle"])
+    mixed.points = np.array(vertices, float)
+    assert latvox.voxelize(mixed, resolution=8).report["mesh"]["triangles"] == 6
+
+
+def test_colors_of_vertices():
+    colors = np.array([[255, 0, 0]] * 6, np.uint8)
+    shares = (colors / 255).astype(np.float32)
+    for mesh in (Trimesh(np.column_stack([colors, colors[:, 0]])), Open3d(shares), Open3dTensors(colors=Tensor(shares))):
+        v = latvox.voxelize(mesh, resolution=9, fields=["color"])
+        assert v["color"].shape == (len(v), 3) and (v["color"] == [255, 0, 0]).all()
+    with pytest.raises(latvox.InvalidArgument, match="color"):
+        latvox.voxelize(Trimesh(), resolution=9, fields=["color"])
+
+
+POINTS = VERTICES.astype(float)
+
+
+@pytest.mark.parametrize(
+    ("vertices", "faces", "text"),
+    [
+        (POINTS[:, :2], TRIANGLES, r"vertices: an array of shape \(6, 2\) and type float64 is not \(n, 3\) numbers"),
+        (POINTS[0], TRIANGLES, r"vertices: an array of shape \(3\)"),
+        (POINTS.astype(complex), TRIANGLES, "type complex128"),
+        (POINTS.astype(str), TRIANGLES, "vertices: an array of shape"),
+        (POINTS, TRIANGLES.astype(float), r"faces: an array of shape \(8, 3\) and type float64 is not \(m, 3\) integers"),
+        (POINTS, TRIANGLES[:, :2], r"faces: an array of shape \(8, 2\)"),
+        (POINTS, TRIANGLES.ravel(), r"faces: an array of shape \(24\)"),
+        (POINTS, TRIANGLES[:0], "faces: the mesh has none"),
+        (POINTS, TRIANGLES + 1, r"faces\[1\]: index 6 is not within 0 and 6, the number of vertices"),
+        (POINTS, TRIANGLES - 1, r"faces\[0\]: index -1 is not within 0 and 6"),
+        (POINTS[:0], TRIANGLES, r"faces\[0\]: index"),
+        (np.where(POINTS == 1, np.nan, POINTS), TRIANGLES, r"vertices\[0\]: nan is not finite"),
+        (np.where(POINTS == -1, np.inf, POINTS), TRIANGLES, r"vertices\[1\]: inf is not finite"),
+    ],
+)
+def test_wrong_arrays_name_array_row_and_limit(vertices, faces, text):
+    with pytest.raises(latvox.InvalidArgument, match=text) as caught:
+        latvox.voxelize((vertices, faces), resolution=9)
+    assert caught.value.field in ("vertices", "faces")
+
+
+@pytest.mark.parametrize("mesh", [None, 5, [], (1, 2, 3), object(), b"mesh.obj"])
+def test_other_objects_are_type_errors(mesh):
+    with pytest.raises(TypeError, match="mesh: "):
+        latvox.voxelize(mesh)
+
+
+def test_volume_cells_are_refused():
+    mesh = meshio.Mesh(POINTS, [("triangle", TRIANGLES), ("tetra", np.array([[0, 1, 2, 3]]))])
+    with pytest.raises(latvox.InvalidArgument, match="mesh: cells of type tetra"):
+        latvox.voxelize(mesh)
+
+
+def test_a_missing_file_and_a_wrong_one(tmp_path):
+    with pytest.raises(latvox.NotFound, match="missing.obj") as caught:
+        latvox.voxelize(tmp_path / "missing.obj")
+    assert isinstance(caught.value, FileNotFoundError)
+    (tmp_path / "bad.ply").write_text("not a mesh")
+    with pytest.raises(latvox.InvalidArgument, match="bad.ply"):
+        latvox.voxelize(pathlib.Path(tmp_path / "bad.ply"))

@@ -1,0 +1,171 @@
+"""Keyword arguments are the tool's options, and mean the same."""
+
+import re
+
+import latvox
+import numpy as np
+import pytest
+from harness import BUNNY, box, latvox as run_tool, octahedron, write_obj
+
+# For each keyword, values that make sense, and what they need besides.
+SOLID = {"set": "solid", "force_open": True}
+REGION = {"set": "region", "seed": (0, 0, 0), "allow_outside": True}
+VALUES = {
+    "lattice": ("bcc", {}),
+    "basis": ([[0.5, 0, 0], [0, 0.25, 0], [0, 0, 0.5]], {"resolution": None}),
+    "voxel_size": (np.array([0.25, 0.5, 0.5]), {"resolution": None}),
+    "resolution": (np.int64(24), {}),
+    "origin": ((0.125, -1e-7, np.float32(0.1)), {}),
+    "placement": ("cells", {}),
+    "set": ("supercover", {}),
+    "rule": ("parity", SOLID),
+    "force_open": (True, {"set": "solid"}),
+    "seed": ([0, 0, 0], REGION),
+    "close": (0.25, {"set": "enclosed"}),
+    "leak_from": ((0, 0, 0), {"set": "enclosed"}),
+    "allow_outside": (True, REGION),
+    "band": ("1.5v", {}),
+    "side": ("inside", {"set": "links"}),
+    "fields": (["distance", "normal"], {}),
+    "labels": ("part", {**SOLID, "fields": "part"}),
+    "priority": ([0], {**SOLID, "fields": "part"}),
+    "signed": (True, {"band": 0.25}),
+    "alpha_cutoff": (0.5, {}),
+    "separability": (2, {}),
+    "minimal": (False, {}),
+    "algorithm": ("incremental", {}),
+    "verify": (True, {}),
+    "upload": ("raw", {}),
+    "quantization": (12, {"upload": "draco"}),
+    "encoding": ("masks", {}),
+    "region": ([0, 0, 0, 9, 9, 5], {}),
+    "bounds": ((-1, -1, -1, 1, 0.5, 0.5), {}),
+    "shard": ("1/3", {"resolution": 200}),
+    "up_axis": ("y", {}),
+    "scale": (3, {}),
+    "skip_bad": (True, {}),
+    "input_format": ("obj", {}),
+    "strict": (True, {}),
+    "weld_report": (True, {}),
+}
+OF_FILES = {"out", "npy", "align"}  # tested below
+OF_COMMAND_LINE = {"help", "quiet", "json", "output_format"}
+
+
+def words(options):
+    """Returns the options as words of the command line."""
+
+    def text(value):
+        if isinstance(value, (list, tuple, np.ndarray)):
+            return ",".join(map(text, value))
+        return value if isinstance(value, str) else repr(np.asarray(value).item())
+
+    result = []
+    for name, value in options.items():
+        option = "--" + name.replace("_", "-")
+        if value is not None:
+            result += [option] if value is True else ["--no-" + name] if value is False else [f"{option}={text(value)}"]
+    return result
+
+
+def test_keywords_are_the_options_of_the_tool():
+    shown = re.findall(r"^  (?:-\w, )?--([a-z-]+)", run_tool("voxelize", "--help").stdout, re.M)
+    assert len(shown) > 40
+    assert {name.replace("-", "_") for name in shown} - OF_COMMAND_LINE == latvox.KEYWORDS.keys()
+
+
+def test_every_option_of_a_request_has_a_value_here():
+    of_request = {name for name, facts in latvox.KEYWORDS.items() if facts["scope"] == "request"}
+    assert VALUES.keys() | OF_FILES == of_request
+
+
+@pytest.mark.parametrize("name", VALUES)
+def test_an_option_means_what_it_means_to_the_tool(name, tool, tmp_path, server):
+    mesh = write_obj(tmp_path / "mesh.obj", octahedron())
+    value, others = VALUES[name]
+    options = {"resolution": 16, **others, name: value}
+    path, report = tool.voxelize(mesh, *words(options))
+    v = server.voxelize(mesh, **options)
+    assert len(v) > 0
+    found = np.load(path)
+    assert np.array_equal(v.ijk, found["ijk"] if found.dtype.names else found)
+    for key in ("digest", "certificate", "basis", "origin", "placement", "warnings", "mesh"):
+        assert v.report[key] == report[key], key
+
+
+def test_defaults_are_those_of_the_tool(tool, server):
+    path, report = tool.voxelize(BUNNY)
+    v = server.voxelize(BUNNY, lattice=None)
+    assert v.digest == report["digest"]
+    assert np.array_equal(v.ijk, np.load(path))
+    assert repr(v) == f"<latvox.Voxels: {len(v)} voxels, cartesian, voxel size {v.voxel_size:g}>"
+
+
+def test_out_writes_files_and_align_reads_one(tool, tmp_path, server):
+    mesh = write_obj(tmp_path / "mesh.obj", octahedron())
+    v = server.voxelize(mesh, resolution=9, out=[tmp_path / "a.vdb", tmp_path / "a.npy"], npy="dense")
+    assert np.array_equal(np.load(tmp_path / "a.npy").astype(bool), v.dense().data)
+    w = server.voxelize(mesh, align=tmp_path / "a.vdb", scale=0.5)
+    assert np.array_equal(w.basis, v.basis) and np.array_equal(w.origin, v.origin)
+    assert w.digest == tool.voxelize(mesh, "--align", tmp_path / "a.vdb", "--scale", "0.5")[1]["digest"]
+
+
+@pytest.mark.parametrize(
+    ("options", "field", "text"),
+    [
+        ({"resolution": 70000}, "resolution", 'resolution: "70000" is not a whole number from 2 to 65536'),
+        ({"resolution": 2.5}, "resolution", 'resolution: "2.5" is not a whole number from 2 to 65536'),
+        ({"voxel_size": float("nan")}, "voxel_size", 'voxel_size: "nan" is not a finite number above 0'),
+        ({"voxel_size": -1}, "voxel_size", 'voxel_size: "-1" is not a finite number above 0'),
+        ({"lattice": "ball"}, "lattice", 'lattice: "ball" is not one of cartesian, bcc, fcc, hexagonal'),
+        ({"lattice": ""}, "lattice", "lattice: is empty"),
+        ({"basis": np.eye(2)}, "basis", 'basis: "1.0,0.0,0.0,1.0" is not 9 finite numbers with commas between them'),
+        ({"resolution": 9, "voxel_size": 1}, "voxel_size", "voxel_size excludes resolution"),
+        ({"timeout": 0}, "timeout", 'timeout: "0" is not a finite number above 0'),
+        ({"separability": 26, "lattice": "bcc"}, "separability", "separability: 26 requires lattice cartesian"),
+        ({"set": "solid", "force_open": False}, None, "closed"),
+        ({"set": "surface", "force_open": True}, "force_open", "force_open"),
+        ({"strict": True, "resolution": 9, "region": (99, 0, 0, 100, 1, 1)}, None, "strict: no warning is allowed"),
+    ],
+)
+def test_wrong_values_name_field_value_and_limit(options, field, text, server):
+    with pytest.raises(latvox.InvalidArgument) as caught:
+        vertices, triangles = octahedron()
+        server.voxelize((np.array(vertices), np.array(triangles[1:])), **options)
+    assert text in str(caught.value)
+    assert "--" not in str(caught.value)
+    assert caught.value.field == field or field is None
+    assert isinstance(caught.value, ValueError) and caught.value.code == "INVALID_ARGUMENT"
+
+
+@pytest.mark.parametrize(
+    ("options", "text"),
+    [
+        ({"resolutoin": 9}, "unexpected keyword argument 'resolutoin'"),
+        ({"json": True}, "unexpected keyword argument 'json'"),
+        ({"voxel-size": 9}, "unexpected keyword argument 'voxel-size'"),
+        ({"tls": True}, "unexpected keyword argument 'tls'; it belongs to latvox.Client"),
+        ({"verify": "yes"}, "verify: 'yes' is not True or False"),
+        ({"resolution": True}, "resolution: True is not a number, a text, a path or a sequence of these"),
+        ({"origin": {1: 2}}, "origin: {1: 2} is not a number"),
+        ({"origin": [0, None, 0]}, "origin: None is not a number"),
+    ],
+)
+def test_wrong_names_and_types_are_type_errors(options, text, server):
+    with pytest.raises(TypeError, match=re.escape(text)):
+        server.voxelize(BUNNY, **options)
+
+
+def test_errors_of_the_server_have_its_details(server):
+    vertices, triangles = box([0] * 3, [1] * 3)
+    with pytest.raises(latvox.ResourceExhausted) as caught:
+        server.voxelize((np.array(vertices, float), np.array(triangles)), voxel_size=1e-6)
+    error = caught.value
+    assert error.reason.isupper() and (error.field, error.limit) == ("voxel_size", "131072")
+
+
+def test_help_lists_every_option():
+    import inspect
+
+    assert inspect.signature(latvox.voxelize).parameters.keys() >= latvox.KEYWORDS.keys()
+    assert "voxel_size: Edge of a cube" in latvox.voxelize.__doc__

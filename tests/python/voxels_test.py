@@ -1,0 +1,169 @@
+"""Voxels as arrays equal the files of the tool."""
+
+import gc
+import warnings
+
+import latvox
+import numpy as np
+import pytest
+from harness import BUNNY, box, octahedron, write_obj
+
+MESH = tuple(np.array(part, float if n == 0 else int) for n, part in enumerate(octahedron()))
+FIELDS = ["part", "distance", "triangle", "point", "normal"]
+
+
+@pytest.fixture(scope="module")
+def bunny():
+    return latvox.voxelize(BUNNY, resolution=100, lattice="bcc", fields=FIELDS)
+
+
+def test_arrays_have_stated_types_and_shapes(bunny):
+    n = len(bunny)
+    shapes = {"part": (np.uint32, (n,)), "distance": (np.float32, (n,)), "triangle": (np.uint32, (n,)),
+              "point": (np.float32, (n, 2)), "normal": (np.float32, (n, 3))}  # fmt: skip
+    assert bunny.fields == FIELDS
+    for name, (dtype, shape) in shapes.items():
+        assert (bunny[name].dtype, bunny[name].shape) == (dtype, shape)
+    assert (bunny.ijk.dtype, bunny.ijk.shape) == (np.int32, (n, 3))
+    assert (bunny.points.dtype, bunny.points.shape) == (np.float64, (n, 3))
+    assert "part" in bunny and "color" not in bunny
+    with pytest.raises(KeyError, match="voxels carry no field 'color'"):
+        bunny["color"]
+
+
+def test_voxels_and_fields_equal_the_tools(bunny, tool):
+    options = ("--resolution", 100, "--lattice", "bcc", "--fields", ",".join(FIELDS))
+    path, report = tool.voxelize(BUNNY, *options)
+    table = np.load(path)
+    for name in ("ijk", *FIELDS):
+        own = bunny.ijk if name == "ijk" else bunny[name]
+        assert np.array_equal(own, table[name]), name
+    csv, _ = tool.voxelize(BUNNY, *options, out="tool.csv")
+    xyz = np.loadtxt(csv, delimiter=",", skiprows=1, usecols=(3, 4, 5))
+    assert np.array_equal(bunny.points, xyz)
+    for key in ("voxels", "digest", "certificate", "basis", "origin", "lattice"):
+        assert bunny.report[key] == report[key]
+    assert bunny.certificate["tunnel_free"] and bunny.lattice == "bcc"
+    assert bunny.voxel_size == pytest.approx(report["voxel_size"] if "voxel_size" in report else bunny.voxel_size)
+
+
+def test_affine_gives_positions(bunny):
+    homogeneous = np.column_stack([bunny.ijk, np.ones(len(bunny))])
+    assert np.allclose(homogeneous @ bunny.affine.T, np.column_stack([bunny.points, np.ones(len(bunny))]), atol=1e-12)
+
+
+def test_bricks_are_the_voxels(bunny):
+    bits = np.unpackbits(bunny.masks.copy().view(np.uint8).reshape(-1, 64), axis=1, bitorder="little")
+    brick, bit = np.nonzero(bits)
+    xyz = np.column_stack([bit >> 6, bit >> 3 & 7, bit & 7])
+    assert np.array_equal(8 * bunny.brick_ijk[brick] + xyz, bunny.ijk)
+
+
+def test_views_are_read_only_and_keep_their_memory():
+    v = latvox.voxelize(MESH, resolution=40, fields="distance")
+    views = [v["distance"], v.masks, v.brick_ijk]
+    copies = [view.copy() for view in views]
+    assert views[0].base is not None and not any(view.flags.writeable or view.flags.owndata for view in views)
+    del v
+    gc.collect()
+    junk = [np.ones(100000) for _ in range(20)]
+    assert all(np.array_equal(view, copy) for view, copy in zip(views, copies, strict=True)) and junk
+
+
+def test_dense_equals_the_tools(tool):
+    v = latvox.voxelize(BUNNY, resolution=50, set="solid", force_open=True, fields="part")
+    path, _ = tool.voxelize(BUNNY, "--resolution", 50, "--set", "solid", "--force-open", "--fields", "part", out="t.npz")
+    file = np.load(path)
+    data, low, affine = v.dense()
+    assert data.dtype == bool and np.array_equal(data, file["data"])
+    assert np.array_equal(low, file["index_min"]) and np.array_equal(affine, file["affine"])
+    part = v.dense("part")
+    assert part.data.dtype == np.uint32 and np.array_equal(part.data[data], file["part"][data])
+    low, high = v.index_box
+    assert np.array_equal(high - low, data.shape)
+
+
+def test_dense_of_a_box():
+    v = latvox.voxelize(MESH, resolution=20, fields=["distance", "normal"])
+    box = (v.ijk.min(0) - 1, v.ijk.max(0) - (9, 0, 5))
+    data, low, affine = v.dense(box=box)
+    assert data.shape == tuple(box[1] - box[0]) and low == tuple(box[0])
+    inside = v.ijk[((v.ijk >= box[0]) & (v.ijk < box[1])).all(1)]
+    assert data.sum() == len(inside) > 0 and data[tuple((inside - low).T)].all()
+    assert np.allclose(affine @ (0, 0, 0, 1), v.affine @ (*low, 1))
+    normal = v.dense("normal", box=box)
+    assert normal.data.shape == (*data.shape, 3) and np.isnan(normal.data[~data]).all()
+    with pytest.raises(latvox.InvalidArgument):
+        v.dense(box=((0, 0, 0), (-1, 1, 1)))
+    with pytest.raises(latvox.ResourceExhausted):
+        v.dense(box=((0, 0, 0), (2**12, 2**12, 2**12)))
+    with pytest.raises(KeyError):
+        v.dense("part")
+
+
+def test_links_have_a_column_for_each_neighbor():
+    v = latvox.voxelize(MESH, resolution=10, set="links", fields=["links", "link_triangles"])
+    assert v.neighbors.shape == (26, 3)
+    assert v["links"].shape == v["link_triangles"].shape == (len(v), 26)
+    assert (np.isnan(v["links"]) == (v["link_triangles"] == 2**32 - 1)).all() and not np.isnan(v["links"]).all()
+
+
+def test_nothing_is_an_answer_too():
+    with pytest.warns(latvox.VoxelizeWarning) as caught:
+        v = latvox.voxelize(MESH, resolution=8, region=(100, 0, 0, 101, 1, 1), fields="distance")
+    assert len(v) == 0 and v.ijk.shape == v.points.shape == (0, 3) and v["distance"].shape == (0,)
+    assert v.masks.shape == (0, 8) and v.brick_ijk.shape == (0, 3)
+    warning = caught.list[0]
+    assert warning.filename == __file__ and warning.message.code == v.warnings[0].code and v.warnings[0].code.isupper()
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        latvox.voxelize(MESH, resolution=8)
+
+
+@pytest.mark.parametrize("extension", [each for each in latvox.EXTENSIONS if each != ".png"])  # below
+def test_save_writes_what_the_tool_writes(extension, tool, tmp_path):
+    mesh = write_obj(tmp_path / "mesh.obj", box([0] * 3, [1] * 3))
+    path, _ = tool.voxelize(mesh, "--resolution", 12, out=f"tool{extension}")
+    v = latvox.voxelize(mesh, resolution=12)
+    v.save(tmp_path / f"own{extension}")
+    own = (tmp_path / f"own{extension}").read_bytes()
+    if extension in (".vdb", ".html"):  # each file of OpenVDB has another UUID
+        from harness import latvox as run_tool
+
+        assert len(own) > 1000
+        if extension == ".vdb":
+            compared = run_tool("compare", path, tmp_path / "own.vdb")
+            assert compared.stdout.endswith("\nequal\n"), compared
+            assert run_tool("info", "--json", path).stdout.replace("tool.vdb", "") == run_tool(
+                "info", "--json", tmp_path / "own.vdb"
+            ).stdout.replace("own.vdb", "")
+    else:
+        assert own == path.read_bytes()
+
+
+def test_save_of_fields_replaces_and_refuses(bunny, tmp_path):
+    (tmp_path / "a.csv").write_text("old")
+    bunny.save(str(tmp_path / "a.csv"))
+    assert (tmp_path / "a.csv").read_text().startswith("i,j,k,x,y,z,part,distance,triangle,u,v,nx,ny,nz\n")
+    with pytest.raises(latvox.InvalidArgument, match="extension"):
+        bunny.save(tmp_path / "a.xyz")
+    with pytest.raises(latvox.InvalidArgument, match="extension"):
+        bunny.save(tmp_path / "a.vox")
+    with pytest.raises(latvox.FailedPrecondition, match="missing"):
+        bunny.save(tmp_path / "missing" / "a.vdb")
+    with pytest.raises(ValueError, match="npy"):
+        bunny.save(tmp_path / "a.npy", npy="sparse")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.csv"]
+
+
+def test_notebooks_show_a_picture(bunny):
+    picture = bunny._repr_png_()
+    assert picture.startswith(b"\x89PNG\r\n") and len(picture) > 1000
+
+
+def test_a_mesh_may_change_after_the_call():
+    vertices = MESH[0].copy()
+    v = latvox.voxelize((vertices, MESH[1]), resolution=30)
+    points = v.points.copy()
+    vertices[:] = 0
+    assert np.array_equal(v.points, points)
