@@ -327,6 +327,7 @@ class Interruptions(Case):
         self.assertEqual(latvox("voxelize", BUNNY, "--resolution", "1000", "-o", voxels).returncode, OK)
         for kills, status, says in ((2, OK, ""), (3, REFUSED, "voxels.vdb: the process that read it was killed")):
             with self.subTest(kills):
+                out.unlink(missing_ok=True)
                 words = ["slice", voxels, "--axis", "z", "--index", "400", "-o", out]
                 client = subprocess.Popen([BIN / "latvox", *words], stderr=subprocess.PIPE, text=True)
                 self.addCleanup(client.kill)

@@ -34,7 +34,7 @@ std::optional<Field> FieldNamed(absl::string_view name) {
   return std::nullopt;
 }
 
-std::string CheckFields(const std::string& text) {
+std::string CheckConvertedFields(const std::string& text) {
   if (text == kNone) return "";
   for (const absl::string_view name : absl::StrSplit(text, ',')) {
     if (!FieldNamed(name)) return absl::StrCat("\"", name, "\" is neither none nor a field that a .vdb holds");
@@ -102,7 +102,7 @@ void AddConvertOptions(CommandParser& command, ConvertWords& words) {
                 .target = &words.fields,
                 .help = "Fields of the file to write, or none",
                 .value = "NAME,...",
-                .checks = {{CheckFields}},
+                .checks = {{CheckConvertedFields}},
                 .standard = "all"}});
   command.Add(ShapeRows(words.shape));
 }

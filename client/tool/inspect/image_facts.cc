@@ -80,7 +80,7 @@ absl::StatusOr<Json> Facts(const ImageHead& head, ByteSource& data) {
 
 // Reads numbers with a separator between them. Returns false if there are others than N.
 template <class T, size_t N>
-bool ReadNumbers(absl::string_view text, std::array<T, N>& numbers) {
+bool ReadLineOfNumbers(absl::string_view text, std::array<T, N>& numbers) {
   const std::vector<absl::string_view> words = absl::StrSplit(text, absl::ByAnyChar(" ,()"), absl::SkipEmpty());
   if (words.size() != N) return false;
   for (size_t n = 0; n < N; ++n) {
@@ -137,14 +137,14 @@ absl::StatusOr<Json> NrrdFacts(const std::string& path) {
   std::array<uint64_t, 4> all{};
   bool good = fields->contains("NRRD0005") && !head.type.empty() && (*fields)["encoding"] == "gzip";
   if ((*fields)["dimension"] == "4") {
-    good = good && ReadNumbers((*fields)["sizes"], all);
+    good = good && ReadLineOfNumbers((*fields)["sizes"], all);
     head.components = all[0];
     std::copy(all.begin() + 1, all.end(), head.shape.begin());
   } else {
-    good = good && ReadNumbers((*fields)["sizes"], head.shape);
+    good = good && ReadLineOfNumbers((*fields)["sizes"], head.shape);
   }
   const std::string directions = absl::StrReplaceAll((*fields)["space directions"], {{"none", ""}});
-  good = good && ReadNumbers(directions, head.basis) && ReadNumbers((*fields)["space origin"], head.corner);
+  good = good && ReadLineOfNumbers(directions, head.basis) && ReadLineOfNumbers((*fields)["space origin"], head.corner);
   if (!good) return (*file)->Bad("is not a .nrrd of latvox");
   InflatedSource data(path, **file);
   return Facts(head, data);
@@ -159,11 +159,11 @@ absl::StatusOr<Json> MetaImageFacts(const std::string& path) {
   head.type = TypeOf({"MET_UCHAR", "MET_USHORT", "MET_INT", "MET_FLOAT"}, (*fields)["ElementType"]);
   std::array<double, 9> directions{};
   std::array<double, 3> spacing{};
-  const bool good = (*fields)["ObjectType"] == "Image" && !head.type.empty() &&
-                    ReadNumbers((*fields)["DimSize"], head.shape) &&
-                    absl::SimpleAtoi((*fields)["ElementNumberOfChannels"], &head.components) &&
-                    ReadNumbers((*fields)["TransformMatrix"], directions) &&
-                    ReadNumbers((*fields)["ElementSpacing"], spacing) && ReadNumbers((*fields)["Offset"], head.corner);
+  const bool good =
+      (*fields)["ObjectType"] == "Image" && !head.type.empty() && ReadLineOfNumbers((*fields)["DimSize"], head.shape) &&
+      absl::SimpleAtoi((*fields)["ElementNumberOfChannels"], &head.components) &&
+      ReadLineOfNumbers((*fields)["TransformMatrix"], directions) &&
+      ReadLineOfNumbers((*fields)["ElementSpacing"], spacing) && ReadLineOfNumbers((*fields)["Offset"], head.corner);
   if (!good) return (*file)->Bad("is not a MetaImage of latvox");
   for (size_t n = 0; n < 9; ++n) head.basis[n] = directions[n] * spacing[n / 3];
   const std::string data_file = (*fields)["ElementDataFile"];

@@ -26,7 +26,7 @@ std::string Attribute(const std::string& line, const std::string& name) {
 }
 
 template <size_t N>
-bool ReadNumbers(const std::string& text, std::array<double, N>& numbers) {
+bool ReadAttribute(const std::string& text, std::array<double, N>& numbers) {
   const std::vector<std::string> words = absl::StrSplit(text, ' ');
   if (words.size() != N) return false;
   for (size_t n = 0; n < N; ++n) {
@@ -113,9 +113,9 @@ absl::StatusOr<Json> VtiFacts(FileSource& file) {
   std::array<double, 6> extent{};
   std::array<double, 3> corner{}, cell{};
   std::array<uint64_t, 3> shape{};
-  bool good = ReadNumbers(Attribute(head->kind, "WholeExtent"), extent) &&
-              ReadNumbers(Attribute(head->kind, "Origin"), corner) &&
-              ReadNumbers(Attribute(head->kind, "Spacing"), cell);
+  bool good = ReadAttribute(Attribute(head->kind, "WholeExtent"), extent) &&
+              ReadAttribute(Attribute(head->kind, "Origin"), corner) &&
+              ReadAttribute(Attribute(head->kind, "Spacing"), cell);
   for (size_t m = 0; m < 3; ++m) {
     constexpr double kMost = 1 << 20;
     good = good && extent[2 * m] == 0 && extent[2 * m + 1] >= 1 && extent[2 * m + 1] <= kMost;

@@ -11,15 +11,15 @@ namespace latvox::client {
 namespace {
 
 template <class T>
-std::string BytesOf(const T& value) {
+std::string RawBytesOf(const T& value) {
   return {reinterpret_cast<const char*>(&value), sizeof(value)};
 }
 
 // Returns the bytes of a component where there is no voxel.
 std::string EmptyOf(NumberType type) {
-  if (type == NumberType::kFloat32) return BytesOf(std::numeric_limits<float>::quiet_NaN());
-  if (type == NumberType::kUint32) return BytesOf(int32_t{-1});
-  return type == NumberType::kUint16 ? BytesOf(uint16_t{0}) : BytesOf(uint8_t{0});
+  if (type == NumberType::kFloat32) return RawBytesOf(std::numeric_limits<float>::quiet_NaN());
+  if (type == NumberType::kUint32) return RawBytesOf(int32_t{-1});
+  return type == NumberType::kUint16 ? RawBytesOf(uint16_t{0}) : RawBytesOf(uint8_t{0});
 }
 
 }  // namespace

@@ -34,7 +34,7 @@ std::string Head(const VtkFile& vtk, const std::vector<uint64_t>& offsets) {
   return absl::StrCat(head, "</Piece>\n</", vtk.kind, ">\n<AppendedData encoding=\"raw\">\n_");
 }
 
-std::string_view BytesOf(const std::vector<uint64_t>& words) {
+std::string_view BytesOfHead(const std::vector<uint64_t>& words) {
   return {reinterpret_cast<const char*>(words.data()), words.size() * sizeof(words[0])};
 }
 
@@ -46,8 +46,8 @@ absl::Status Append(const VtkArray& array, AtomicFile& file, uint64_t& at) {
   std::vector<uint64_t> head = {blocks, kBlock, array.bytes % kBlock};
   head.resize(3 + blocks);
   const uint64_t start = at;
-  if (auto status = file.Append(BytesOf(head)); !status.ok()) return status;
-  at += BytesOf(head).size();
+  if (auto status = file.Append(BytesOfHead(head)); !status.ok()) return status;
+  at += BytesOfHead(head).size();
   std::string chunk, rest, packed(compressBound(kBlock), '\0');
   uint64_t done = 0;
   for (uint64_t n = 0; n < blocks; ++n) {
@@ -63,7 +63,7 @@ absl::Status Append(const VtkArray& array, AtomicFile& file, uint64_t& at) {
     done += wanted;
     at += head[3 + n] = size;
   }
-  return file.Overwrite(start, BytesOf(head));
+  return file.Overwrite(start, BytesOfHead(head));
 }
 
 }  // namespace
