@@ -188,7 +188,7 @@ class Science(Case):
         self.assertFalse((self.dir / "b.nrrd").exists())
 
     def test_memory_does_not_grow_with_the_box(self):
-        outputs = [word for e in (".npz", ".vti", ".vtu", ".nrrd", ".mha", ".nii") for word in ("-o", self.dir / f"a{e}")]
+        outputs = [word for e in (".vti", ".nrrd", ".nii") for word in ("-o", self.dir / f"a{e}")]
         words = [BIN / "latvox", "voxelize", BUNNY, "--resolution", "400", "--fields", "distance", "--quiet", *outputs]
         process = subprocess.Popen(list(map(str, words)))
         _, status, usage = os.wait4(process.pid, 0)
@@ -281,11 +281,14 @@ class Science(Case):
             "any lattice": ["--lattice", "bcc"],
             "shape": ["--pad", "1"],
         }
-        for name, *cells in table:
-            for (question, options), cell in zip(questions.items(), cells, strict=True):
-                done = latvox("voxelize", self.dir / "none.obj", "-o", self.dir / f"a{name.strip('`')}", *options)
-                self.assertIn(done.returncode, (2, 3), done.stderr)
-                self.assertEqual("yes" if done.returncode == 3 else "no", cell, (name, question, done.stderr))
+        for n, (question, options) in enumerate(questions.items(), 1):
+            accepted = [row[0].strip("`") for row in table if row[n] == "yes"]
+            refused = [row[0].strip("`") for row in table if row[n] == "no"]
+            self.assertEqual(len(accepted) + len(refused), len(table), question)
+            for code, extensions in ((3, accepted), *((2, [each]) for each in refused)):
+                outputs = [word for extension in extensions for word in ("-o", self.dir / f"a{extension}")]
+                done = latvox("voxelize", self.dir / "none.obj", *outputs, *options)
+                self.assertEqual(done.returncode, code, (question, extensions, done.stderr))
 
 
 if __name__ == "__main__":
