@@ -45,7 +45,12 @@ class ImageOutput final : public Output {
       }
     }
     if (format_ != ImageFormat::kMetaPair) return absl::OkStatus();
-    auto data = AtomicFile::Create(std::filesystem::path(file_->target()).replace_extension(".raw").string());
+    const std::filesystem::path data_path = std::filesystem::path(file_->target()).replace_extension(".raw");
+    const std::string name = data_path.filename().string();
+    if (std::any_of(name.begin(), name.end(), [](unsigned char c) { return c < ' '; })) {
+      return absl::InvalidArgumentError(absl::StrCat(file_->target(), ": a line of a .mhd cannot hold this name"));
+    }
+    auto data = AtomicFile::Create(data_path.string());
     if (!data.ok()) return data.status();
     data_ = *std::move(data);
     return absl::OkStatus();

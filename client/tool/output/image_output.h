@@ -22,8 +22,9 @@ enum class ImageFormat {
 // One array over the box of the call, i fastest: the field if there is one, otherwise `data`; see DenseFields. Its
 // place in the world is exact for every lattice; in NIfTI, as far as floats are. Without a box, the array is one empty
 // element at lattice point 0, because the formats have no empty arrays.
+// A .mhd and its .raw appear one after the other, first the .raw: a kill in between leaves an older .mhd with new data.
 // Memory: 88 bytes for each brick, and the field. Errors: RESOURCE_EXHAUSTED for an array of more than 2^32 bytes, or a
-// side that NIfTI cannot hold, before the first voxel.
+// side that NIfTI cannot hold, before the first voxel; INVALID_ARGUMENT for the name of a .mhd with control characters.
 //   fields   at most one, not of links
 std::unique_ptr<Output> NewImageOutput(std::unique_ptr<AtomicFile> file, ImageFormat format,
                                        const std::vector<Field>& fields, const BoxShape& shape);

@@ -104,6 +104,7 @@ TEST_F(Image, AMetaPairIsAHeaderAndItsData) {
   std::filesystem::create_directory(Path("p.raw"));
   EXPECT_THAT(std::string(Fill("p.mhd", {}, {}, MakeAccepted()).message()), HasSubstr("p.raw: "));
   EXPECT_FALSE(std::filesystem::exists(Path("p.mhd")));
+  EXPECT_EQ(Fill("a\nb.mhd", {}, {}, MakeAccepted()).code(), absl::StatusCode::kInvalidArgument);
 }
 
 TEST_F(Image, NiftiHasTheBasisAsSform) {
