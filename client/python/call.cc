@@ -40,7 +40,12 @@ Connection::Connection(const py::dict& keywords, const std::string& token, const
     if (session.ok()) opened = *std::move(session);
     return session.status();
   });
-  session_.reset(new Session(*std::move(opened)), DeleteInItsProcess());
+  // The end of a private server takes a moment, in which Python goes on.
+  session_.reset(new Session(*std::move(opened)), [process = DeleteInItsProcess()](const Session* session) {
+    PyThreadState* const state = PyEval_SaveThread();
+    process(session);
+    PyEval_RestoreThread(state);
+  });
 }
 
 absl::StatusOr<std::shared_ptr<const Session>> Connection::session() const {

@@ -66,10 +66,10 @@ void BindCalls(py::module_& module) {
 
 PYBIND11_MODULE(_latvox, module) {
   module.doc() = "The SDK and the options of the tool. Use the package latvox, which describes them.";
+  LeaveOutExitHandlers();
   module.attr("version") = LATVOX_VERSION;
   module.def("keywords", &Keywords);
   module.def("set_reader_program", &SetReaderProgram, arg("path"));
-  module.def("leave_out_exit_handlers", &LeaveOutExitHandlers);
   module.def("extensions", &OutputExtensions);
   BindVoxels(module);
   BindCalls(module);

@@ -12,6 +12,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "client/python/status.h"
+#include "client/tool/cli/abandoned_work.h"
 #include "deploy/process/exhaustion.h"
 
 namespace latvox::client::python {
@@ -34,8 +35,10 @@ absl::Status CheckProcess() {
 }
 
 void LeaveOutExitHandlers() {
+  static const pid_t process = getpid();
   // The last handler runs first.
   const auto end = [](int status, void*) {
+    if (getpid() == process && !AnyAbandoned()) return;
     std::fflush(nullptr);
     _exit(status);
   };
@@ -62,13 +65,16 @@ Work::~Work() {
 }
 
 void Work::Join() {
-  const py::gil_scoped_release release;
+  // pybind11's own class for this may throw, and destructors come here.
+  PyThreadState* const state = PyEval_SaveThread();
   if (thread_.joinable()) thread_.join();
+  PyEval_RestoreThread(state);
 }
 
 void Work::Cancel() {
   cancellation_.Cancel();
-  Change([] {});
+  const std::lock_guard lock(mutex_);
+  changed_.notify_all();
 }
 
 void Work::Change(const std::function<void()>& change) {

@@ -1,9 +1,12 @@
 """Servers, streams, threads, interrupts, forks and kills."""
 
 import concurrent.futures
+import contextlib
+import io
 import os
 import pathlib
 import pickle
+import re
 import signal
 import socket
 import threading
@@ -165,6 +168,10 @@ def test_progress_grows_and_an_error_in_it_ends_the_call():
     latvox.voxelize(BUNNY, resolution=2500, progress=shares.append)
     assert shares and shares == sorted(shares) and 0 <= shares[0] and shares[-1] <= 1
 
+    with contextlib.redirect_stderr(io.StringIO()) as shown:
+        latvox.voxelize(BUNNY, resolution=2500, progress=True)
+    assert re.fullmatch(r"(\rlatvox: [ \d]+%)+\r +\r", shown.getvalue())
+
     def fail(share):
         raise LookupError(share)
 
@@ -219,6 +226,7 @@ except KeyboardInterrupt:
     [
         "latvox.voxelize(os.environ['BUNNY'], resolution=6000, verify=True)",
         "[time.sleep(1) for _ in latvox.stream(os.environ['BUNNY'], resolution=6000, verify=True)]",
+        "os.mkfifo('pipe.obj') or latvox.voxelize('pipe.obj')",
         "list(latvox.voxelize_many([os.environ['BUNNY']] * 4, jobs=2, resolution=4000, verify=True))",
     ],
 )

@@ -6,8 +6,9 @@ import collections
 import inspect
 import os
 import pathlib
+import sys
 import threading
-from typing import Any, Callable, Dict, Iterable, Iterator, List, Optional
+from typing import Any, Callable, Dict, Iterable, Iterator, List, Optional, Union
 
 from . import _latvox
 from ._errors import Unavailable
@@ -16,7 +17,7 @@ from ._voxels import Bricks, Voxels
 
 KEYWORDS: Dict[str, Dict[str, str]] = _latvox.keywords()
 EXTENSIONS: List[str] = _latvox.extensions()
-Progress = Callable[[float], Any]
+Progress = Union[Callable[[float], Any], bool]
 
 
 def _refuse_unknown(options: Dict[str, Any], *scopes: str) -> None:
@@ -48,9 +49,21 @@ def _begin(client: Client, mesh: Any, options: Dict[str, Any], streams: bool = F
 
 
 def _end(call: _latvox.Call, progress: Optional[Progress], depth: int) -> Voxels:
-    voxels = Voxels(call.wait(progress))
+    try:
+        voxels = Voxels(call.wait(_show if progress is True else progress or None))
+    finally:
+        if progress is True:
+            print("\r" + " " * len(_shown(1)) + "\r", end="", file=sys.stderr, flush=True)
     voxels.warn(depth + 2)
     return voxels
+
+
+def _shown(share: float) -> str:
+    return f"latvox: {share:4.0%}"
+
+
+def _show(share: float) -> None:
+    print("\r" + _shown(share), end="", file=sys.stderr, flush=True)
 
 
 class Stream:
@@ -155,7 +168,6 @@ _lock = threading.Lock()
 def _after_fork() -> None:
     global _lock
     _lock = threading.Lock()  # another thread may have held it
-    _latvox.leave_out_exit_handlers()
 
 
 os.register_at_fork(after_in_child=_after_fork)
@@ -187,7 +199,7 @@ def voxelize(mesh: Any, *, progress: Optional[Progress] = None, **options: Any) 
 
     mesh: a path, or a list of paths, which form one mesh. Or (vertices, faces), arrays of (n, 3) numbers and (m, 3)
         integers. Or a mesh of trimesh, meshio, PyVista or Open3D.
-    progress: called with the share of the work that is done, 0 to 1.
+    progress: called with the share of the work that is done, 0 to 1. True: shows it on standard error.
     options: those of the tool's command voxelize, with _ in place of -. Lists are sequences, flags are True or False.
 
     Without `server`, the first call starts a private server for this process, and later calls use it. Python can run
@@ -216,7 +228,8 @@ def stream(mesh: Any, **options: Any) -> Stream:
 def voxelize_many(meshes: Iterable[Any], *, jobs: Optional[int] = None, **options: Any) -> Iterator[Voxels]:
     """Voxelizes meshes, several at once, and yields their voxels in the order of the meshes.
 
-    jobs: the most calls at once; None: one for each core. At most `jobs` answers are in memory.
+    jobs: the most calls at once; None: one for each core. At most `jobs` answers are in memory. The server needs memory
+        for each call, and fails some if it has too little.
     options: as for voxelize, the same for all.
 
     The first error ends it, and cancels the calls that run.
