@@ -1,13 +1,12 @@
-"""Builds the package by CMake: the module, and the programs that it starts.
+"""Builds the package by CMake in build/pip of the repository: the module, and the programs that it starts.
 
-$CMAKE_ARGS has further arguments of CMake. If $LATVOX_BUILD_DIR names a build folder with the target latvox_python, the
-package takes what is there, and builds nothing.
+If $LATVOX_BUILD_DIR names a build folder with the target latvox_python, the package takes what is there, and builds
+nothing.
 """
 
 import os
 import pathlib
 import re
-import shlex
 import shutil
 import subprocess
 import sys
@@ -24,25 +23,26 @@ def version():
     return re.search(r"project\(latvox VERSION (\S+)", (ROOT / "CMakeLists.txt").read_text())[1]
 
 
+def build():
+    """Builds for this Python, with the options of the release preset. Returns the folder."""
+    folder = ROOT / "build/pip"
+    options = ["-DBUILD_TESTING=OFF", f"-DLATVOX_PYTHON_PROGRAM={sys.executable}", "--log-level=WARNING"]
+    subprocess.run(["cmake", "--preset", "release", "-B", folder, *options], check=True, cwd=ROOT)
+    subprocess.run(["cmake", "--build", folder, "--target", "latvox_python"], check=True)
+    return folder
+
+
 class CMakeBuild(build_ext):
     """Builds the target latvox_python, and takes what it makes."""
 
     def build_extension(self, extension):
         """Copies the module and the programs into the package."""
-        build = pathlib.Path(os.environ.get("LATVOX_BUILD_DIR") or self.build(self.build_temp))
+        folder = pathlib.Path(os.environ.get("LATVOX_BUILD_DIR") or build())
         path = pathlib.Path(self.get_ext_fullpath(extension.name)).resolve()
         (path.parent / "bin").mkdir(parents=True, exist_ok=True)
-        shutil.copy2(build / "client/python/latvox" / path.name, path)
+        shutil.copy2(folder / "client/python/latvox" / path.name, path)
         for program in PROGRAMS:
-            shutil.copy2(build / "bin" / program, path.parent / "bin" / program)
-
-    def build(self, folder):
-        """Builds in the folder, and returns it."""
-        options = ["-DCMAKE_BUILD_TYPE=Release", "-DLATVOX_UNITE_FOLDERS=ON", "-DBUILD_TESTING=OFF", "-DLATVOX_PYTHON=ON"]
-        options += [f"-DLATVOX_PYTHON_PROGRAM={sys.executable}", *shlex.split(os.environ.get("CMAKE_ARGS", ""))]
-        subprocess.run(["cmake", "-S", ROOT, "-B", folder, "-G", "Ninja", "--log-level=WARNING", *options], check=True)
-        subprocess.run(["cmake", "--build", folder, "--target", "latvox_python"], check=True)
-        return folder
+            shutil.copy2(folder / "bin" / program, path.parent / "bin" / program)
 
 
 setup(version=version(), ext_modules=[Extension("latvox._latvox", [])], cmdclass={"build_ext": CMakeBuild})

@@ -125,8 +125,8 @@ def test_wrong_connections():
 
 
 def test_a_stream_is_the_whole_in_order():
-    v = latvox.voxelize(BUNNY, resolution=600, fields=["distance", "normal"])
-    with latvox.stream(BUNNY, resolution=600, fields=["distance", "normal"]) as stream:
+    v = latvox.voxelize(BUNNY, resolution=400, fields=["distance", "normal"])
+    with latvox.stream(BUNNY, resolution=400, fields=["distance", "normal"]) as stream:
         batches = list(stream)
         assert len(batches) > 3
         for name in ("ijk", "points", "masks", "brick_ijk"):
