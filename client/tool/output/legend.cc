@@ -33,7 +33,8 @@ Legend LegendOfFractions(uint32_t points_of_cell) {
   for (uint32_t n = 0; n <= kRampSteps; ++n) {
     const bool named = n % (kRampSteps / 2) == 0;
     legend.entries.push_back(
-        {FractionColor(n, kRampSteps), named ? absl::StrFormat("%.4g", double{n} * points_of_cell / kRampSteps) : ""});
+        {FractionColor(n, kRampSteps),
+         named ? absl::StrFormat("%.4g", static_cast<double>(n) * points_of_cell / kRampSteps) : ""});
   }
   return legend;
 }

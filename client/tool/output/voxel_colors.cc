@@ -115,7 +115,7 @@ uint32_t DistanceColor(float distance, const DistanceRange& range) {
 }
 
 uint32_t FractionColor(uint32_t fraction, uint32_t points_of_cell) {
-  return Between(kViridis, double{fraction} / points_of_cell);
+  return Between(kViridis, static_cast<double>(fraction) / points_of_cell);
 }
 
 uint32_t NormalColor(const std::array<float, 3>& normal) {
