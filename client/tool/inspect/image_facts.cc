@@ -42,7 +42,7 @@ bool IsVoxel(const std::string& type, const char* element) {
   if (type == "uint8") return *element != 0;
   std::memcpy(&number, element, 4);
   std::memcpy(&label, element, 4);
-  return type == "int32" ? label != -1 : !std::isnan(number);
+  return type == "int32" ? label != 0 : !std::isnan(number);
 }
 
 // Reads the elements.

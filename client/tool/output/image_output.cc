@@ -1,6 +1,7 @@
 #include "client/tool/output/image_output.h"
 
 #include <algorithm>
+#include <cstring>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -23,6 +24,19 @@ DenseArray Component(const DenseArray& array, size_t component) {
     element.copy(to, bytes, component * bytes);
   };
   return {array.name, array.type, 1, array.empty.substr(0, bytes), put};
+}
+
+// Returns an array of integers that are one more, and 0 where there is no voxel. Others remain.
+DenseArray AsLabels(const DenseArray& array) {
+  if (array.type != NumberType::kUint32) return array;
+  const auto put = [before = array.put](uint64_t n, char* to) {
+    int32_t number = 0;
+    before(n, to);
+    std::memcpy(&number, to, sizeof(number));
+    ++number;
+    std::memcpy(to, &number, sizeof(number));
+  };
+  return {array.name, array.type, array.components, std::string(array.empty.size(), '\0'), put};
 }
 
 class ImageOutput final : public Output {
@@ -60,7 +74,7 @@ class ImageOutput final : public Output {
 
   absl::Status Finish(const Summary&) override {
     if (auto status = fields_.Finish(); !status.ok()) return status;
-    const DenseArray array = fields_.Arrays().back();
+    const DenseArray array = AsLabels(fields_.Arrays().back());
     const ImageFacts image = {fields_.grid().basis, fields_.corner(), fields_.box().shape(),
                               array.type,           array.components, array.name};
     if (auto status = Write(image, array); !status.ok()) return status;
