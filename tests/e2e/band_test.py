@@ -156,12 +156,6 @@ class Band(Case):
         self.assertEqual({tuple(ijk): (tuple(xyz), numpy.float32(distance)) for xyz, *ijk, distance in others},
                          {ijk: (xyz, numpy.float32(distance)) for ijk, (xyz, distance) in table.items()})  # fmt: skip
 
-    def test_merge_takes_no_distances(self):
-        self.voxelize(self.box(), "--resolution", "20", "--band", "2v", out="band.vdb")
-        done = latvox("merge", self.dir / "band.vdb", "-o", self.dir / "merged.vdb")
-        self.assertEqual(done.returncode, 3, done.stderr)
-        self.assertIn("float", done.stderr)
-
     def test_refusals_name_what_is_wrong(self):
         mesh = self.box()
         vertices, triangles = box(self.LOW, self.HIGH)

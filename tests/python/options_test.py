@@ -48,7 +48,7 @@ VALUES = {
     "strict": (True, {}),
     "weld_report": (True, {}),
 }
-OF_FILES = {"out", "npy", "align"}  # tested below
+OF_FILES = {"out", "npy", "dims", "pad", "align"}  # tested below
 OF_COMMAND_LINE = {"help", "quiet", "json", "output_format"}
 
 
@@ -99,6 +99,14 @@ def test_defaults_are_those_of_the_tool(tool, server):
     assert v.digest == report["digest"]
     assert np.array_equal(v.ijk, np.load(path))
     assert repr(v) == f"<latvox.Voxels: {len(v)} voxels, cartesian, voxel size {v.voxel_size:g}>"
+
+
+def test_dims_and_pad_shape_the_arrays_of_files(tool, tmp_path, server):
+    mesh = write_obj(tmp_path / "mesh.obj", octahedron())
+    server.voxelize(mesh, dims=(20, 21, 22), pad=2, out=tmp_path / "own.npz")
+    path, _ = tool.voxelize(mesh, "--dims", "20,21,22", "--pad", "2", out="tool.npz")
+    assert (tmp_path / "own.npz").read_bytes() == path.read_bytes()
+    assert np.load(path)["data"].shape == (20, 21, 22)
 
 
 def test_out_writes_files_and_align_reads_one(tool, tmp_path, server):
