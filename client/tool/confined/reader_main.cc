@@ -27,9 +27,8 @@ namespace {
 constexpr size_t kBufferBytes = size_t{1} << 16;
 constexpr int kArguments = 7;  // program, kReaderArgument, parent, memory, seconds, what, path
 
-// A pipe may get no page for a moment. Linux says EFAULT if that befalls the pages to send. The limit of processor time
-// ends the wait.
-bool MayPass(int error) { return error == EINTR || error == EAGAIN || error == ENOMEM || error == EFAULT; }
+// A pipe may get no page for a moment. The limit of processor time ends the wait.
+bool MayPass(int error) { return error == EINTR || error == ENOMEM; }
 
 // Collects small pieces, because each write is a system call.
 class Channel {
