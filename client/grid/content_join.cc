@@ -101,11 +101,23 @@ class Joiner {
     }
     joined_.bricks.push_back(joined);
     joined_.shared_bricks += places.size() - 1;
+    if (places.size() == 1) return AddValues(places[0], CountVoxels(joined)), absl::OkStatus();
     for (size_t bit = 0; bit < 512; ++bit) {
       if (!HasVoxel(joined, bit)) continue;
       if (auto status = AddVoxel(places, bit); !status.ok()) return status;
     }
     return absl::OkStatus();
+  }
+
+  // Appends the values of all voxels of a brick.
+  void AddValues(const PlaceInPart& place, size_t voxels) {
+    for (size_t field = 0; field < joined_.fields.size(); ++field) {
+      const FieldValues& values = parts_[place.part].content.fields[field];
+      const size_t bytes = values.bytes_of_voxel();
+      const auto begin = values.bytes.begin() + static_cast<ptrdiff_t>(before_[place.part][place.brick] * bytes);
+      std::vector<std::byte>& to = joined_.fields[field].bytes;
+      to.insert(to.end(), begin, begin + static_cast<ptrdiff_t>(voxels * bytes));
+    }
   }
 
   absl::Status AddVoxel(std::span<const PlaceInPart> places, size_t bit) {

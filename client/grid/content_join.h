@@ -25,7 +25,7 @@ struct JoinedContent {
 };
 
 // `disjoint`: a brick in two parts is an error. Preconditions: there is a part; the bricks of each differ, and the
-// fields have a value for each voxel. Memory: 24 bytes for each brick of the parts, and the result. Errors:
+// fields have a value for each voxel. Memory: 28 bytes for each brick of the parts, and the result. Errors:
 // INVALID_ARGUMENT, with the file: other fields than in the first part; another value for a voxel of two parts; a brick
 // in two parts.
 absl::StatusOr<JoinedContent> JoinContents(const std::vector<PartContent>& parts, bool disjoint);

@@ -83,16 +83,6 @@ absl::StatusOr<std::vector<PartContent>> ReadParts(const Parts& parts, const Rea
   return contents;
 }
 
-openvdb::BoolGrid::Ptr NewSetGrid(const std::vector<Brick>& bricks) {
-  const auto grid = openvdb::BoolGrid::create(false);
-  openvdb::tree::ValueAccessor<openvdb::BoolTree> tree(grid->tree());
-  for (const Brick& brick : bricks) {
-    const openvdb::Coord corner(brick.brick_ijk[0] * 8, brick.brick_ijk[1] * 8, brick.brick_ijk[2] * 8);
-    AddMask(brick.mask, *tree.touchLeaf(corner));
-  }
-  return grid;
-}
-
 // A band of a whole has an inside. Regions and bounds may leave something out.
 bool IsWhole(const CommonFacts& common) {
   return common.shards && !common.metadata["latvox_region"] && !common.metadata["latvox_bounds"];
@@ -109,8 +99,10 @@ openvdb::GridBase::Ptr NewBand(const GridContent& first, const CommonFacts& comm
 std::vector<openvdb::GridBase::Ptr> NewGrids(const GridContent& first, const CommonFacts& common,
                                              const JoinedContent& joined) {
   if (first.is_band) return {NewBand(first, common, joined)};
-  std::vector<openvdb::GridBase::Ptr> grids = {NewSetGrid(joined.bricks)};
-  grids.front()->setName(first.file.info.name);
+  const auto set = openvdb::BoolGrid::create(false);
+  set->setName(first.file.info.name);
+  AddBricks(joined.bricks, set->tree());
+  std::vector<openvdb::GridBase::Ptr> grids = {set};
   for (const FieldValues& values : joined.fields) {
     grids.push_back(NewFieldGrid(values.field));
     FillFieldGrid(joined.bricks, values, *grids.back());

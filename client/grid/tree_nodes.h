@@ -2,7 +2,9 @@
 #ifndef LATVOX_CLIENT_GRID_TREE_NODES_H_
 #define LATVOX_CLIENT_GRID_TREE_NODES_H_
 
+#include <array>
 #include <compare>
+#include <span>
 
 #include "client/grid/openvdb_trees.h"
 #include "latvox/types.h"
@@ -35,6 +37,15 @@ inline void AddMask(const std::array<uint64_t, 8>& mask, Leaf& leaf) {
   for (openvdb::Index word = 0; word < 8; ++word) all.getWord<openvdb::Index64>(word) |= mask[word];
   leaf.setValueMask(all);
   for (openvdb::Index word = 0; word < 8; ++word) leaf.buffer().data()[word] = all.getWord<openvdb::Index64>(word);
+}
+
+// Adds the voxels of bricks. Throws std::bad_alloc.
+inline void AddBricks(std::span<const Brick> bricks, openvdb::BoolTree& to) {
+  openvdb::tree::ValueAccessor<openvdb::BoolTree> tree(to);
+  for (const Brick& brick : bricks) {
+    const openvdb::Coord corner(brick.brick_ijk[0] * 8, brick.brick_ijk[1] * 8, brick.brick_ijk[2] * 8);
+    AddMask(brick.mask, *tree.touchLeaf(corner));
+  }
 }
 
 // The active voxels of a leaf of any tree of this shape.

@@ -78,11 +78,7 @@ VoxelGrid& VoxelGrid::operator=(VoxelGrid&&) noexcept = default;
 VoxelGrid::~VoxelGrid() = default;
 
 absl::Status VoxelGrid::Add(const BrickBatch& batch) try {
-  openvdb::tree::ValueAccessor<openvdb::BoolTree> tree(content_->grid->tree());
-  for (const Brick& brick : batch.bricks) {
-    const openvdb::Coord corner(brick.brick_ijk[0] * 8, brick.brick_ijk[1] * 8, brick.brick_ijk[2] * 8);
-    AddMask(brick.mask, *tree.touchLeaf(corner));
-  }
+  AddBricks(batch.bricks, content_->grid->tree());
   return absl::OkStatus();
 } catch (const std::bad_alloc&) {
   return absl::ResourceExhaustedError("not enough memory for the OpenVDB grid");

@@ -33,8 +33,8 @@ using ReadPart = std::function<absl::StatusOr<GridContent>(const std::string& pa
 //
 // Memory for sets without fields: 64 KiB for each part, 1 MiB for the whole, and 4 KiB for each block of 4096^3 voxels
 // that the whole meets (147 MB at most). It does not depend on the number of bricks. The parts are read three times.
-// Parts with fields are in memory all together, with their bytes and 108 bytes for each brick; then come the grids of
-// the whole: see FieldGrids, DistanceGrid. All parts are kept open: one file each.
+// Parts with fields are in memory all together: the bytes of their values, and 108 bytes for each brick. The whole is
+// as large again, and then come its grids: see FieldGrids, DistanceGrid. All parts are kept open: one file each.
 //
 // `progress`, if any, gets the share of the work done, 0 to 1, and the number of bricks written so far, from time to
 // time. `read` reads parts with fields; it is ReadGridContent if it is empty.
