@@ -1,4 +1,4 @@
-"""Meshes of Python: paths, arrays, and objects of other packages, none of which is imported here."""
+"""Meshes of Python: paths, arrays, and objects of other packages. This module imports none of those packages."""
 
 from __future__ import annotations
 

@@ -33,7 +33,8 @@ struct ReaderLimits {
 };
 ReaderLimits ReaderLimitsFor(uint64_t file_bytes);
 
-// Names a program whose main() asks IsReader, for a process whose own does not. Call it before any reader starts.
+// Readers run this program from now on. Its main() must ask IsReader. Call it before any reader starts, in a process
+// whose own main() does not ask.
 void SetReaderProgram(const std::string& path);
 
 // A child of this process, which ends with it. Not thread-safe.
