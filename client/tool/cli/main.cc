@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "client/tool/cli/abandoned_work.h"
 #include "client/tool/cli/batch_command.h"
 #include "client/tool/cli/batch_options.h"
@@ -30,6 +32,7 @@
 #include "client/tool/cli/view_command.h"
 #include "client/tool/cli/voxelize_command.h"
 #include "client/tool/confined/reader_main.h"
+#include "client/tool/output/output.h"
 #include "client/tool/output/standard_output.h"
 #include "deploy/manual/command_parser.h"
 #include "deploy/manual/completions.h"
@@ -201,9 +204,7 @@ class Program {
         [this] { return Print(RunInfo(info_path_, json_)); })
         .Add({{.names = "file",
                .target = &info_path_,
-               .help =
-                   "File: .vdb .nvdb .csv .npy .npz .ply .glb .vox .binvox .png .html .vti .vtu .nrrd .mha .mhd .nii "
-                   ".nii.gz, or a mesh",
+               .help = absl::StrCat("File: ", absl::StrJoin(OutputExtensions(), " "), ", or a mesh"),
                .value = "FILE",
                .required = true},
               JsonRow("Print a JSON object", json_)});

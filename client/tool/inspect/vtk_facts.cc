@@ -73,7 +73,7 @@ absl::StatusOr<uint64_t> CountBytes(FileSource& file, uint64_t bytes) {
   std::array<uint64_t, 3> sizes{};
   if (auto status = file.Read(sizes.data(), sizeof(sizes)); !status.ok()) return status;
   const uint64_t blocks = (bytes + kBlock - 1) / kBlock;
-  if (sizes != std::array<uint64_t, 3>{blocks, kBlock, bytes % kBlock} || blocks > file.size()) {
+  if (sizes != std::array<uint64_t, 3>{blocks, kBlock, bytes % kBlock} || blocks > file.size() / sizeof(uint64_t)) {
     return file.Bad("has blocks that are not read");
   }
   std::vector<uint64_t> packed(blocks);
