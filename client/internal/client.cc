@@ -66,8 +66,9 @@ absl::StatusOr<Client> Client::Connect(const std::vector<std::string>& addresses
 }
 
 absl::StatusOr<Client> Client::StartPrivate(const PrivateServerOptions& server_options, const CallOptions& options) {
-  auto server = PrivateServer::Start(server_options, options);
+  auto server = PrivateServer::Start(server_options);
   if (!server.ok()) return PrintableStatus(server.status());
+  if (absl::Status status = (*server)->AwaitReady(options); !status.ok()) return PrintableStatus(status);
   absl::StatusOr<Client> client = Connect((*server)->address(), options);
   if (!client.ok()) return client.status();
   (*server)->RemoveDirectory();

@@ -27,7 +27,7 @@ namespace latvox::client {
 namespace {
 
 constexpr absl::Duration kStartLimit = absl::Seconds(20), kEndLimit = absl::Seconds(3);
-constexpr absl::Duration kPoll = absl::Milliseconds(5);
+constexpr absl::Duration kPoll = absl::Milliseconds(1);
 constexpr char kSocketName[] = "/socket";
 
 std::string FindProgram(const std::string& given) {
@@ -102,13 +102,11 @@ std::string Describe(int wait_status) {
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<PrivateServer>> PrivateServer::Start(
-    const PrivateServerOptions& server_options, const CallOptions& options,
-    const std::function<void(const std::string& path)>& on_directory) {
+    const PrivateServerOptions& options, const std::function<void(const std::string& path)>& on_directory) {
   std::unique_ptr<PrivateServer> server(new PrivateServer);
   if (auto status = server->MakeDirectory(); !status.ok()) return status;
   if (on_directory) on_directory(server->directory_->path());
-  if (auto status = server->Spawn(server_options); !status.ok()) return status;
-  if (auto status = server->AwaitReady(options); !status.ok()) return status;
+  if (auto status = server->Spawn(options); !status.ok()) return status;
   return server;
 }
 
@@ -146,9 +144,15 @@ absl::Status PrivateServer::MakeDirectory() {
 
 absl::Status PrivateServer::Spawn(const PrivateServerOptions& options) {
   program_ = FindProgram(options.program);
-  std::vector<std::string> words = {
-      program_,      "--listen", address(), "--parent-pid", absl::StrCat(getpid()), "--exit-with-parent",
-      "--log-level", "warning"};
+  std::vector<std::string> words = {program_,
+                                    "--listen",
+                                    address(),
+                                    "--parent-pid",
+                                    absl::StrCat(getpid()),
+                                    "--exit-with-parent",
+                                    "--decoders-on-demand",
+                                    "--log-level",
+                                    "warning"};
   if (options.threads) {
     words.push_back("--threads");
     words.push_back(absl::StrCat(*options.threads));

@@ -22,12 +22,15 @@ namespace latvox::client {
 // ignores variables that are meant for other servers: LATVOX_CONFIG, addresses, TLS and tokens.
 class PrivateServer {
  public:
-  // Starts latvoxd and waits until it accepts connections. Calls `on_directory` with the new directory, so that a
-  // program which ends without destructors can remove it.
-  // Errors: UNAVAILABLE (not found, ended early, does not answer in time); DEADLINE_EXCEEDED; CANCELLED.
+  // Starts latvoxd, which takes some 50 ms to accept connections. Calls `on_directory` with the new directory, so that
+  // a program which ends without destructors can remove it. Errors: UNAVAILABLE (not found).
   static absl::StatusOr<std::unique_ptr<PrivateServer>> Start(
-      const PrivateServerOptions& server_options, const CallOptions& options,
-      const std::function<void(const std::string& path)>& on_directory = nullptr);
+      const PrivateServerOptions& options, const std::function<void(const std::string& path)>& on_directory = nullptr);
+
+  // Waits until it accepts connections. Errors: UNAVAILABLE (ended early, does not answer in time); DEADLINE_EXCEEDED;
+  // CANCELLED.
+  absl::Status AwaitReady(const CallOptions& options);
+
   ~PrivateServer();
   PrivateServer(const PrivateServer&) = delete;
   PrivateServer& operator=(const PrivateServer&) = delete;
@@ -43,7 +46,6 @@ class PrivateServer {
   PrivateServer() = default;
   absl::Status MakeDirectory();
   absl::Status Spawn(const PrivateServerOptions& options);
-  absl::Status AwaitReady(const CallOptions& options);
 
   std::string program_, socket_path_;
   std::unique_ptr<ProcessDirectory> directory_;

@@ -67,6 +67,8 @@ Rows DecoderRows(ServerOptions& server) {
                 "processes together get at most a third of the default of --memory-budget"),
           Seconds("--decoder-cpu-seconds", 0.001, decoder.cpu_time,
                   "Maximum CPU time for decoding one mesh; small meshes get less"),
+          Switch("--decoders-on-demand", decoder.on_demand,
+                 "Start the decoder processes with the first mesh that needs them, and thus start sooner"),
           Switch("--decode-always", server.decode_always,
                  "Decode the mesh of every request, even if it was decoded before"),
           std::move(unconfined)};

@@ -65,6 +65,7 @@ absl::StatusOr<std::unique_ptr<DecoderPool>> DecoderPool::Create(const DecoderOp
   std::unique_ptr<DecoderPool> pool(new DecoderPool(options));
   std::future<absl::Status> first = pool->first_.get_future();
   pool->thread_ = std::thread([&pool = *pool] { pool.Run(); });
+  if (options.on_demand) return pool;
   if (absl::Status status = first.get(); !status.ok()) return status;
   return pool;
 }
@@ -124,6 +125,7 @@ void DecoderPool::Wake() {
 void DecoderPool::Run() {
   while (HandleInbox()) {
     for (const auto& slot : slots_) {
+      if (!queue_.empty()) slot->Rouse();
       if (auto lost = slot->Serve()) queue_.push_front(std::move(lost));
     }
     ReportFirst();

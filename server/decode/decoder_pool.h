@@ -39,8 +39,8 @@ struct DecoderFacts {
 // all of two or more processes, so that small ones do not wait for them.
 class DecoderPool final : public MeshDecoder {
  public:
-  // Starts the processes, and waits for the first of them. Errors: INVALID_ARGUMENT (no program, process or memory);
-  // UNAVAILABLE if processes cannot be started or confined here.
+  // Starts the processes, and waits for the first of them, unless they start on demand. Errors: INVALID_ARGUMENT (no
+  // program, process or memory); UNAVAILABLE if processes cannot be started or confined here.
   static absl::StatusOr<std::unique_ptr<DecoderPool>> Create(const DecoderOptions& options);
 
   // Cancels decodes under way. No process is left when it returns.

@@ -20,6 +20,7 @@ struct DecoderOptions {
   int processes = 0;    // 0: the server chooses; a pool needs at least one
   uint64_t memory = 0;  // bytes for the decode of one mesh, as below; 0: the server chooses; a pool needs some
   absl::Duration cpu_time = absl::Seconds(10);
+  bool on_demand = false;  // start processes with the first decode, because there may be none
   bool may_be_unconfined =
       false;  // start without seccomp filters where the system does not allow them; otherwise there is no decoder there
 };

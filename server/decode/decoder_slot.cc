@@ -66,7 +66,12 @@ absl::Status KilledTooOften() {
 DecoderSlot::DecoderSlot(const DecoderOptions& options, DecoderCounters& counters)
     : options_(options),
       counters_(counters),
+      start_at_(options.on_demand ? absl::InfiniteFuture() : absl::InfinitePast()),
       buffer_((kReceiveBytes + kMaxFrameBytes + sizeof(FrameHeader)) / sizeof(uint32_t)) {}
+
+void DecoderSlot::Rouse() {
+  if (start_at_ == absl::InfiniteFuture()) start_at_ = absl::InfinitePast();
+}
 
 void DecoderSlot::StartProcess() {
   absl::StatusOr<std::unique_ptr<DecoderProcess>> process = DecoderProcess::Start(options_);

@@ -51,6 +51,9 @@ class DecoderSlot {
   int failures() const { return failures_; }
   const std::string& failure() const { return failure_; }
 
+  // Allows the first start, which waits for it if the options say `on_demand`.
+  void Rouse();
+
   // Gives `job` to the process. Precondition: idle().
   void Begin(std::shared_ptr<DecodeJob> job);
 
@@ -99,7 +102,7 @@ class DecoderSlot {
   bool ready_ = false, killed_ = false;  // the process has said so; this slot has killed it
   bool stuck_ = false;                   // killed, because it did nothing
   uint64_t idle_bytes_ = 0;              // of address space of the idle process
-  absl::Time start_at_ = absl::InfinitePast();
+  absl::Time start_at_;
   absl::Time give_up_at_ =
       absl::InfiniteFuture();  // end of patience with a process that neither gets ready nor ends its job
   int failures_ = 0, started_ = 0;

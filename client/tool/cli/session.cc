@@ -45,38 +45,48 @@ bool HasNetwork(const ServerChoice& choice) {
   return !std::all_of(addresses.begin(), addresses.end(), IsLocalAddress);
 }
 
-absl::Status Session::StartPrivate(const ServerChoice& choice, const CallOptions& options) {
-  auto server = PrivateServer::Start({choice.program, choice.threads}, options, [this](const std::string& path) {
+Session::Session(const ServerChoice& choice) : choice_(choice) {
+  constexpr uint64_t kForThreadsOfGrpc = uint64_t{128} << 20;
+  started_ = CheckAddresses(kForThreadsOfGrpc);
+  if (!started_.ok() || !choice.address.empty()) return;
+  auto server = PrivateServer::Start({choice.program, choice.threads}, [this](const std::string& path) {
     directory_ = std::make_unique<TemporaryDirectoryMark>(path);
   });
-  if (!server.ok() && absl::IsUnavailable(server.status())) {
-    return absl::UnavailableError(absl::StrCat(server.status().message(), "; or give --server ADDRESS"));
+  started_ = server.status();
+  if (server.ok()) server_ = *std::move(server);
+}
+
+// Waits for a private server.
+absl::StatusOr<std::string> Session::Address(const CallOptions& options) const {
+  if (!choice_.address.empty()) return choice_.address;
+  const absl::Status status = server_ ? server_->AwaitReady(options) : started_;
+  if (absl::IsUnavailable(status)) {
+    return absl::UnavailableError(absl::StrCat(status.message(), "; or give --server ADDRESS"));
   }
-  if (!server.ok()) return server.status();
-  server_ = *std::move(server);
+  if (!status.ok()) return status;
+  return server_->address();
+}
+
+absl::Status Session::Connect(const CallOptions& options) {
+  const auto address = Address(options);
+  if (!address.ok()) return address.status();
+  ConnectionOptions connection{.credentials = choice_.credentials};
+  if (!choice_.token_file.empty()) {
+    auto token = ReadToken(choice_.token_file);
+    if (!token.ok()) return token.status();
+    connection.credentials.token = *std::move(token);
+  }
+  auto client = Client::Connect(*address, options, connection);
+  if (!client.ok()) return client.status();
+  if (server_) server_->RemoveDirectory();
+  directory_.reset();
+  client_ = *std::move(client);
   return absl::OkStatus();
 }
 
 absl::StatusOr<Session> Session::Open(const ServerChoice& choice, const CallOptions& options) {
-  constexpr uint64_t kForThreadsOfGrpc = uint64_t{128} << 20;
-  if (absl::Status status = CheckAddresses(kForThreadsOfGrpc); !status.ok()) return status;
-  Session session;
-  std::string address = choice.address;
-  if (address.empty()) {
-    if (absl::Status status = session.StartPrivate(choice, options); !status.ok()) return status;
-    address = session.server_->address();
-  }
-  ConnectionOptions connection{.credentials = choice.credentials};
-  if (!choice.token_file.empty()) {
-    auto token = ReadToken(choice.token_file);
-    if (!token.ok()) return token.status();
-    connection.credentials.token = *std::move(token);
-  }
-  auto client = Client::Connect(address, options, connection);
-  if (!client.ok()) return client.status();
-  if (session.server_) session.server_->RemoveDirectory();
-  session.directory_.reset();
-  session.client_ = *std::move(client);
+  Session session(choice);
+  if (absl::Status status = session.Connect(options); !status.ok()) return status;
   return session;
 }
 

@@ -30,15 +30,24 @@ bool HasNetwork(const ServerChoice& choice);
 
 class Session {
  public:
-  // Connects. Without an address, starts a private server first and prints a line about it on standard error.
-  // Errors: as PrivateServer::Start and Client::Connect; INVALID_ARGUMENT if the token file holds no token.
+  // Starts a private server if `choice` has no address. So the server gets ready while its user reads a mesh. Connect
+  // tells its errors.
+  explicit Session(const ServerChoice& choice);
+
+  // Connects. Errors: as PrivateServer and Client::Connect; INVALID_ARGUMENT if the token file holds no token.
+  absl::Status Connect(const CallOptions& options);
+
+  // Does both.
   static absl::StatusOr<Session> Open(const ServerChoice& choice, const CallOptions& options);
 
+  // Precondition: connected.
   const Client& client() const { return *client_; }
 
  private:
-  absl::Status StartPrivate(const ServerChoice& choice, const CallOptions& options);
+  absl::StatusOr<std::string> Address(const CallOptions& options) const;
 
+  ServerChoice choice_;
+  absl::Status started_;
   std::unique_ptr<TemporaryDirectoryMark> directory_;  // of the server, while it exists
   // The order matters: the connection is destroyed before its server.
   std::unique_ptr<PrivateServer> server_;

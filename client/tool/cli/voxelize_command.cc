@@ -176,14 +176,12 @@ absl::StatusOr<VoxelizeReport> RunVoxelize(const VoxelizeOptions& given, const C
   VoxelizeOptions options = given;
   if (absl::Status status = Align(options, cancellation); !status.ok()) return status;
   const CallOptions call = MakeCallOptions(options.server, cancellation);
-  std::optional<Session> session;
+  Session session(options.server);
   ProgressBar bar;
   JobHooks hooks;
   hooks.connect = [&]() -> absl::StatusOr<const Client*> {
-    auto opened = Session::Open(options.server, call);
-    if (!opened.ok()) return opened.status();
-    session = *std::move(opened);
-    return &session->client();
+    if (absl::Status status = session.Connect(call); !status.ok()) return status;
+    return &session.client();
   };
   hooks.on_stage = [&](const std::string& stage) { bar.Stage(stage); };
   hooks.on_progress = [&](double share, uint64_t bricks) { bar.Show(share, "bricks", bricks); };

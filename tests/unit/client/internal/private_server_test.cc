@@ -36,6 +36,11 @@ class Private : public FilesTest {
     setenv("LATVOX_LATVOXD", program.c_str(), 1);
     setenv("XDG_RUNTIME_DIR", Path("run").c_str(), 1);
   }
+  // Starts the server, waits for it, and returns why it does not serve.
+  static absl::Status Serve(const PrivateServerOptions& options = {}, const CallOptions& call = {}) {
+    const auto server = PrivateServer::Start(options);
+    return server.ok() ? (*server)->AwaitReady(call) : server.status();
+  }
   ~Private() override {
     unsetenv("LATVOX_LATVOXD");
     unsetenv("XDG_RUNTIME_DIR");
@@ -44,18 +49,18 @@ class Private : public FilesTest {
 
 TEST_F(Private, AServerThatEndsEarlyIsReportedAndItsDirectoryRemoved) {
   Be("exit 7\n");
-  const auto server = PrivateServer::Start({}, {});
-  EXPECT_EQ(server.status().code(), absl::StatusCode::kUnavailable);
-  EXPECT_THAT(std::string(server.status().message()), HasSubstr("status 7"));
+  const absl::Status status = Serve();
+  EXPECT_EQ(status.code(), absl::StatusCode::kUnavailable);
+  EXPECT_THAT(std::string(status.message()), HasSubstr("status 7"));
   EXPECT_TRUE(std::filesystem::is_empty(Path("run")));
 }
 
 TEST_F(Private, AProgramThatIsMissingIsReported) {
   Be("");
   setenv("LATVOX_LATVOXD", Path("missing").c_str(), 1);
-  const auto server = PrivateServer::Start({}, {});
-  EXPECT_EQ(server.status().code(), absl::StatusCode::kUnavailable);
-  EXPECT_THAT(std::string(server.status().message()), HasSubstr("missing"));
+  const absl::Status status = Serve();
+  EXPECT_EQ(status.code(), absl::StatusCode::kUnavailable);
+  EXPECT_THAT(std::string(status.message()), HasSubstr("missing"));
   EXPECT_TRUE(std::filesystem::is_empty(Path("run")));
 }
 
@@ -63,7 +68,7 @@ TEST_F(Private, WhatTheEnvironmentSaysOfAServerForOthersIsLeftOut) {
   Be("env > \"$0.variables\"\n");
   setenv("LATVOX_TOKEN_FILE", "/nowhere", 1);
   setenv("LATVOX_MAX_TRIANGLES", "5", 1);
-  EXPECT_EQ(PrivateServer::Start({}, {}).status().code(), absl::StatusCode::kUnavailable);
+  EXPECT_EQ(Serve().code(), absl::StatusCode::kUnavailable);
   unsetenv("LATVOX_TOKEN_FILE");
   unsetenv("LATVOX_MAX_TRIANGLES");
   EXPECT_THAT(Read("fake.variables"), AllOf(HasSubstr("LATVOX_MAX_TRIANGLES=5"), Not(HasSubstr("TOKEN"))));
@@ -73,20 +78,20 @@ TEST_F(Private, OneThatNeverServesIsEndedAtTheDeadlineEvenIfItIgnoresSigterm) {
   Be("echo $$ \"$@\" > \"$0.words\"\ntrap '' TERM\nwhile :; do sleep 0.05; done\n");
   CallOptions options;
   options.deadline = absl::Now() + absl::Milliseconds(300);
-  EXPECT_EQ(PrivateServer::Start({.threads = 5}, options).status().code(), absl::StatusCode::kDeadlineExceeded);
+  EXPECT_EQ(Serve({.threads = 5}, options).code(), absl::StatusCode::kDeadlineExceeded);
   EXPECT_TRUE(std::filesystem::is_empty(Path("run")));
   std::istringstream words(Read("fake.words"));
   pid_t pid = 0;
   words >> pid;
   EXPECT_NE(kill(pid, 0), 0);
   EXPECT_THAT(words.str(), HasSubstr("--listen unix:" + Path("run")));
-  EXPECT_THAT(words.str(), HasSubstr("--exit-with-parent --log-level warning --threads 5"));
+  EXPECT_THAT(words.str(), HasSubstr("--exit-with-parent --decoders-on-demand --log-level warning --threads 5"));
 }
 
 TEST_F(Private, FilesOfThisProgramAreNotOpenInTheServer) {
   const int inherited = fcntl(STDERR_FILENO, F_DUPFD, 100);
   Be("ls /proc/$$/fd > \"$0.files\"\n");
-  EXPECT_EQ(PrivateServer::Start({}, {}).status().code(), absl::StatusCode::kUnavailable);
+  EXPECT_EQ(Serve().code(), absl::StatusCode::kUnavailable);
   EXPECT_THAT(Read("fake.files"), Not(HasSubstr("\n" + std::to_string(inherited) + "\n")));
   close(inherited);
 }
@@ -107,7 +112,7 @@ TEST_F(Private, TheDirectoryOfADeadProcessIsRemovedAndThatOfALivingOneStays) {
     return std::distance(std::filesystem::directory_iterator(Path("run")), std::filesystem::directory_iterator());
   };
   EXPECT_EQ(count(), 3);
-  EXPECT_EQ(PrivateServer::Start({}, {}).status().code(), absl::StatusCode::kUnavailable);
+  EXPECT_EQ(Serve().code(), absl::StatusCode::kUnavailable);
   EXPECT_EQ(count(), 2);
   EXPECT_TRUE(std::filesystem::exists(living->path()));
 }

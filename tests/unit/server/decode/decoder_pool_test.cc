@@ -280,6 +280,15 @@ TEST_F(DecoderPoolTest, ASmallFileThatAsksForGigabytesEndsSoonAndGetsNone) {
   EXPECT_TRUE(absl::IsInvalidArgument(status) || absl::IsResourceExhausted(status)) << status;
 }
 
+TEST_F(DecoderPoolTest, OnDemandTheFirstMeshStartsTheProcesses) {
+  options_.on_demand = true;
+  auto pool = DecoderPool::Create(options_);
+  ASSERT_TRUE(pool.ok()) << pool.status();
+  EXPECT_TRUE(Children().empty());
+  ExpectSame(Decode(**pool, Small()).Get(), Small());
+  EXPECT_TRUE(Eventually([&] { return static_cast<int>(Running().size()) == options_.processes; }));
+}
+
 TEST_F(DecoderPoolTest, NoProcessIsLeft) {
   Start();
   ASSERT_EQ(Children().size(), 2);
