@@ -10,6 +10,7 @@
 #include "core/base/vec.h"
 #include "core/digitize/crossing.h"
 #include "core/lattice/lattice.h"
+#include "tests/unit/dose.h"
 
 namespace latvox {
 
@@ -55,14 +56,17 @@ inline Rational SquareTo(const Mat<int64_t, 3>& g, const Vec3i& point, const Tri
   return least;
 }
 
+inline Lattice Triclinic() { return Lattice::FromBasis({{{4, 1, 1}, {0, 4, 1}, {0, 0, 4}}}).value(); }
+
 inline std::vector<Lattice> Lattices() {
   std::vector<Lattice> lattices;
   for (const NamedLattice name :
        {NamedLattice::kCartesian, NamedLattice::kBcc, NamedLattice::kFcc, NamedLattice::kHexagonal}) {
     lattices.push_back(Lattice::Named(name).Scaled(0.7).value());
   }
-  lattices.push_back(Lattice::FromBasis({{{4, 1, 1}, {0, 4, 1}, {0, 0, 4}}}).value());
+  lattices.push_back(Triclinic());
   lattices.push_back(Lattice::FromBasis({{{0, 0.3, 0}, {0.1, 0, 0.02}, {0.03, 0.1, 0.7}}}).value());
+  if (kSanitized) lattices = {lattices[1], lattices[4], lattices[5]};
   return lattices;
 }
 

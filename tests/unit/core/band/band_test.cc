@@ -210,7 +210,7 @@ TEST(SignedBand, IsNegativeWhereLinesOutCrossAnOddNumberOfTimes) {
   oracle::Mesh mesh;
   AddBox(-40 * 256, 30 * 256, mesh);
   AddBox(-20 * 256 + 77, 20 * 256, mesh);
-  for (const Lattice& lattice : {Lattices()[0], Lattices()[4]}) {
+  for (const Lattice& lattice : {Lattice::Named(NamedLattice::kCartesian).Scaled(0.7).value(), Triclinic()}) {
     const Band band{.width = 4, .in_voxels = true};
     const Vec3i shift{64, 0, -64};
     const Result result = Voxelize(ToWorld(mesh, lattice, shift), Unscaled(lattice), With(band, true));

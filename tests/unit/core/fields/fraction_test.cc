@@ -21,6 +21,7 @@
 #include "tests/unit/core/fields/shards.h"
 #include "tests/unit/core/solid/line_fill.h"
 #include "tests/unit/core/sphere.h"
+#include "tests/unit/dose.h"
 
 namespace latvox {
 namespace {
@@ -200,7 +201,8 @@ TEST(Fraction, OfABoxAlongACellIsFullThereAlone) {
 
 TEST(Fraction, IsAFieldOfEverySet) {
   const TriangleMesh mesh = Sphere(20, 9);
-  for (const NamedLattice name : {NamedLattice::kCartesian, NamedLattice::kBcc}) {
+  for (const NamedLattice name :
+       Dose<std::vector<NamedLattice>>({NamedLattice::kCartesian, NamedLattice::kBcc}, {NamedLattice::kBcc})) {
     const Grid grid = Unscaled(Lattice::Named(name));
     const auto all = FractionsOf(Voxelize(mesh, grid, {.set = Band{14, true}, .fields = kFraction, .fraction_n = 5}));
     for (const SetOption& set :

@@ -152,7 +152,7 @@ TEST(Candidates, HaveBoxesByWhichTheLargeTrianglesOfVoxelsAreFoundOnEachKernel) 
     const Vec3i reach = ReachOf(frames);
     const IndexBox box{tile_min, tile_min + Vec3i{1, 1, 1} * TriangleBoxes::kMostSide};
     const BitsLayout layout(tile_min, reach, TriangleBoxes::kMostSide);
-    std::vector<Triangle> triangles = TrianglesAround(tile_min, 9000, 150);
+    std::vector<Triangle> triangles = TrianglesAround(tile_min, 9000, Dose(150, 50));
     for (const Triangle& t : TrianglesAround(tile_min + Vec3i{190, 190, 190}, 9000, 30)) triangles.push_back(t);
     for (const Triangle& t : TrianglesAround(tile_min, 1 << 18, 5)) triangles.push_back(t);
     const Found contributed = Expected(triangles, frames, box);

@@ -11,6 +11,7 @@
 #include "tests/unit/core/exact.h"
 #include "tests/unit/core/sphere.h"
 #include "tests/unit/core/walk/flood.h"
+#include "tests/unit/dose.h"
 
 namespace latvox {
 namespace {
@@ -247,7 +248,7 @@ TEST(Walk, ClosesHolesOfFineMeshes) {
   const Flood flood({{-40, -40, -40}, {40, 40, 40}}, Directions(Cartesian().frames(0)));
   const Points surface = VoxelsOf(Voxelize(mesh, Unscaled(Cartesian()), {}));
   const Flood::Marks walls = flood.MarksOf(surface);
-  for (const double close : {3.3, 7.1}) {
+  for (const double close : Dose<std::vector<double>>({3.3, 7.1}, {7.1})) {
     Flood::Marks thick = walls;
     for (const Int3& z : VoxelsOf(Voxelize(mesh, Unscaled(Cartesian()), {.set = Band{close / 2, false}}))) {
       thick[flood.NumberOf(z)] = 1;
@@ -317,7 +318,7 @@ TEST(Walk, RefusesASeedInTheSurface) {
 }
 
 TEST(Walk, ContainsTheSolidOfAClosedMesh) {
-  const TriangleMesh mesh = Sphere(40, 75);
+  const TriangleMesh mesh = Sphere(40, Dose(75.0F, 40.0F));
   const Points solid = VoxelsOf(Voxelize(mesh, Unscaled(Cartesian()), {.set = Solid{}}));
   const Points enclosed = VoxelsOf(Voxelize(mesh, Unscaled(Cartesian()), {.set = Enclosed{}}));
   EXPECT_TRUE(std::includes(enclosed.begin(), enclosed.end(), solid.begin(), solid.end()));
@@ -335,7 +336,7 @@ TEST(Walk, ContainsTheSolidOfAClosedMesh) {
 TEST(Walk, PartsAreThoseOfTheWhole) {
   TriangleMesh mesh = Sphere(60, 75);
   mesh.triangles.erase(mesh.triangles.end() - 41);  // near the pole: a hole that no step fits through
-  for (const double close : {0.0, 3.3}) {
+  for (const double close : Dose<std::vector<double>>({0.0, 3.3}, {3.3})) {
     const Enclosed set{.close = close};
     const Result whole = Voxelize(mesh, Unscaled(Cartesian()), {.separability = 2, .set = set});
     EXPECT_GT(whole.totals.voxels, 1'000'000U);
