@@ -1,0 +1,3 @@
+export class Pages {
+  serve() { return false; }
+}
