@@ -1,6 +1,6 @@
 // Passes calls on to latvoxd: their deadline, token, trace and end, and latvoxd's messages and errors.
 import { Code, ConnectError, createContextKey } from '@connectrpc/connect';
-import { PASSED_DOWN } from './refusals.js';
+import { PASSED_DOWN, unreached } from './refusals.js';
 
 // Metadata of calls that latvoxd gets.
 export const PASSED_UP = ['authorization', 'traceparent', 'tracestate'];
@@ -42,8 +42,8 @@ export class Forward {
     const upstream = this.upstreams.choose(request.spec?.meshSha256), { transport, leave } = upstream.take();
     const call = context.values.get(CALL), header = copy(PASSED_UP, context.requestHeader, new Headers());
     const failed = (reason) => {
-      const error = this.protocol.passed(reason);
-      if (error.code === Code.Unavailable && !ConnectError.from(reason).metadata.has('grpc-status')) this.upstreams.avoid(upstream);
+      const error = this.protocol.passed(reason), why = unreached(ConnectError.from(reason));
+      if (why !== null) this.upstreams.avoid(upstream, why);
       call.failed(error);
       return error;
     };

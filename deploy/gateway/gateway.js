@@ -79,7 +79,7 @@ export class Gateway {
     if (refusal) return call.failed(refusal), refuse(request, response, refusal);
     try {
       const given = universalRequestFromNodeRequest(request, response, undefined, createContextValues().set(CALL, call));
-      const answer = await handler({ ...given, body: this.counted(given.body, call) });
+      const answer = await handler({ ...given, body: this.counted(request, call) });
       await universalResponseToNodeResponse({ ...answer, body: answer.body && this.measured(answer.body, call) }, response);
     } catch (reason) {
       this.log.write('debug', 'broken', { method: handler.method.name, error: reason.message });
@@ -94,11 +94,13 @@ export class Gateway {
     return this.protocol.error(Code.Unimplemented, 'UNIMPLEMENTED', message, { field: name });
   }
 
-  async *counted(body, call) {
+  // A caller that sends too much can still read the error, because the rest is read and dropped.
+  async *counted(request, call) {
     const most = this.options['max-body'];
-    for await (const bytes of body) {
+    for await (const bytes of request.iterator({ destroyOnReturn: false })) {
       call.bytesIn += bytes.length;
       if (call.bytesIn > most) {
+        setImmediate(() => request.resume());
         const error = this.protocol.limit('body', call.bytesIn, most, '--max-body');
         call.failed(error);
         throw error;

@@ -24,7 +24,7 @@ function parts() {
   }
   const file = options.protocol ?? fileURLToPath(new URL('protocol.binpb', import.meta.url));
   const log = new Log(options['log-level'], options['log-format']);
-  return { options, log, protocol: new Protocol(readFileSync(file)), upstreams: new Upstreams(options), pages: new Pages() };
+  return { options, log, protocol: new Protocol(readFileSync(file)), upstreams: new Upstreams(options, log), pages: new Pages() };
 }
 
 let gateway;

@@ -44,14 +44,19 @@ export class Protocol {
   // Returns an error of latvoxd as callers get it.
   passed(reason) {
     const error = ConnectError.from(reason);
-    if (error.code === Code.Unavailable && !error.metadata.has('grpc-status') && error.details.length === 0) {
-      return this.error(Code.Unavailable, 'UNAVAILABLE', 'upstream: latvoxd cannot be reached', { field: 'upstream' }, 1);
-    }
+    if (unreached(error)) return this.error(Code.Unavailable, 'UNAVAILABLE', 'upstream: latvoxd cannot be reached', { field: 'upstream' }, 1);
     const kept = PASSED_DOWN.filter((name) => error.metadata.has(name)).map((name) => [name, error.metadata.get(name)]);
     const passed = new ConnectError(error.rawMessage, error.code, kept);
     passed.details = error.details.map((detail) => (detail.type ? this.readable(detail) : detail));
     return passed;
   }
+}
+
+// Returns why latvoxd was not reached, such as ECONNREFUSED; null if it was.
+export function unreached(error) {
+  if (error.metadata?.has('grpc-status') || [Code.Canceled, Code.DeadlineExceeded].includes(error.code)) return null;
+  for (let cause = error.cause; cause; cause = cause.cause) if (typeof cause.code === 'string') return cause.code;
+  return error.code === Code.Unavailable ? error.rawMessage : null;
 }
 
 // Answers a request whose body is not read.

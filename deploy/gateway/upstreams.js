@@ -24,7 +24,7 @@ class Upstream {
     });
   }
 
-  // Calls use(transport) with the connection that has the fewest calls. The returned function ends the call.
+  // Returns the connection that has the fewest calls, and a function that ends the call on it.
   take() {
     const least = this.transports.reduce((a, b) => (b.calls < a.calls ? b : a));
     ++least.calls;
@@ -37,7 +37,8 @@ class Upstream {
 }
 
 export class Upstreams {
-  constructor(options) {
+  constructor(options, log) {
+    this.log = log;
     this.all = options.upstream.map((address) => new Upstream(address, options));
     this.turn = 0;
   }
@@ -52,7 +53,8 @@ export class Upstreams {
   }
 
   // Says that a server could not be reached.
-  avoid(upstream) {
+  avoid(upstream, why) {
+    if (upstream.downUntil <= Date.now()) this.log.write('warning', 'upstream_unreached', { address: upstream.name, error: why });
     upstream.downUntil = Date.now() + PAUSE;
   }
 
