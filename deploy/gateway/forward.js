@@ -39,8 +39,12 @@ export class Forward {
 
   // Returns what both kinds of calls need. `failed` returns the error for the caller.
   begin(request, context) {
-    const upstream = this.upstreams.choose(request.spec?.meshSha256), { transport, leave } = upstream.take();
-    const call = context.values.get(CALL), header = copy(PASSED_UP, context.requestHeader, new Headers());
+    const call = context.values.get(CALL), upstream = this.upstreams.choose(request.spec?.meshSha256);
+    if (upstream === null) {
+      call.failed(this.protocol.away());
+      throw this.protocol.away();
+    }
+    const { transport, leave } = upstream.take(), header = copy(PASSED_UP, context.requestHeader, new Headers());
     const failed = (reason) => {
       const error = this.protocol.passed(reason), why = unreached(ConnectError.from(reason));
       if (why !== null) this.upstreams.avoid(upstream, why);

@@ -32,7 +32,8 @@ export class Gateway {
     this.server.maxConnections = options['max-connections'];
   }
 
-  listen() {
+  async listen() {
+    await this.upstreams.start();
     const { host, port } = this.options.listen;
     return new Promise((resolve, reject) => {
       this.server.once('error', reject);
@@ -118,10 +119,11 @@ export class Gateway {
 
   // Asks a server for its health.
   async ready(response) {
-    const { transport, leave } = this.upstreams.choose().take();
-    const check = this.protocol.health.method.check;
+    const upstream = this.upstreams.choose(), check = this.protocol.health.method.check;
+    if (this.calls.stopping) return this.say(response, 503, 'stopping');
+    if (upstream === null) return this.say(response, 503, 'latvoxd cannot be reached');
+    const { transport, leave } = upstream.take();
     try {
-      if (this.calls.stopping) return this.say(response, 503, 'stopping');
       const { message } = await transport.unary(check, undefined, 2000, undefined, {});
       this.say(response, message.status === 1 ? 200 : 503, message.status === 1 ? 'serving' : 'latvoxd does not serve');
     } catch {

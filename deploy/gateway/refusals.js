@@ -41,10 +41,15 @@ export class Protocol {
     return this.error(Code.ResourceExhausted, 'LIMIT_EXCEEDED', message, { field, value: String(value), limit: String(limit) });
   }
 
+  // Returns the error that no server can be reached.
+  away() {
+    return this.error(Code.Unavailable, 'UNAVAILABLE', 'upstream: latvoxd cannot be reached', { field: 'upstream' }, 1);
+  }
+
   // Returns an error of latvoxd as callers get it.
   passed(reason) {
     const error = ConnectError.from(reason);
-    if (unreached(error)) return this.error(Code.Unavailable, 'UNAVAILABLE', 'upstream: latvoxd cannot be reached', { field: 'upstream' }, 1);
+    if (unreached(error)) return this.away();
     const kept = PASSED_DOWN.filter((name) => error.metadata.has(name)).map((name) => [name, error.metadata.get(name)]);
     const passed = new ConnectError(error.rawMessage, error.code, kept);
     passed.details = error.details.map((detail) => (detail.type ? this.readable(detail) : detail));

@@ -90,14 +90,14 @@ async function run() {
 function fail(job, error) {
   if (job.canceled) return say('canceled');
   const lost = error.reason === 'MESH_NOT_FOUND';
-  say(lost ? `The server no longer has ${state.mesh.name}: drop the file once more.` : `${error.message}${error.reason ? ` (${error.reason})` : ''}`, true);
+  say(lost ? `The server no longer has ${state.mesh.name}: drop the file once more.` : `${error.message || error.code}${error.reason ? ` (${error.reason})` : ''}`, true);
 }
 
 function finish({ summary, accepted, seconds, shown }) {
   const { certificate: c, timings: t = {} } = summary, ms = (n = 0) => `${Number(n).toFixed(n < 10 ? 2 : 0)} ms`;
   const proofs = [c.tunnelFree && 'no tunnels', c.minimal && 'minimal', c.closed && 'closed mesh'].filter(Boolean).join(', ');
   const rows = {
-    voxels: Number(summary.voxels ?? 0).toLocaleString('en-US'), bricks: Number(summary.bricks ?? 0).toLocaleString('en-US'), digest: c.digest,
+    voxels: Number(summary.voxels ?? 0).toLocaleString('en-US'), digest: c.digest,
     ...(proofs && { certificate: proofs }), ...(c.verified && { counted: `${count(c.tunnels ?? 0, 'tunnel')}, ${c.redundant ?? 0} redundant` }),
     'voxel size': Number(accepted.grid.voxelSize.toPrecision(6)), voxelizing: ms(t.voxelizeMs), 'in all': `${seconds.toFixed(2)} s`,
   };

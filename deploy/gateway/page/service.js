@@ -8,7 +8,7 @@ export class ServiceError extends Error {
     super(message ?? code);
     this.code = code;
     const info = details.find(({ type }) => type === 'google.rpc.ErrorInfo')?.debug;
-    this.reason = info?.reason ?? code;
+    this.reason = info?.reason;
     this.limit = info?.metadata?.limit;
   }
 }
