@@ -96,6 +96,7 @@ if(NOT latvox_sanitized)
     latvox_add_system_test(faults.${scenario} "${latvox_python};faults/${scenario}_test.py" FIXTURES_REQUIRED faults
                            LABELS slow RUN_SERIAL ON SKIP_RETURN_CODE 77 TIMEOUT 3600)
   endforeach()
+  latvox_add_system_test(deploy.gateway "${latvox_python};deploy/gateway_test.py")
   latvox_add_system_test(deploy.haproxy "${latvox_python};deploy/haproxy_test.py")
   latvox_add_system_test(deploy.strangers "${latvox_python};deploy/strangers_test.py")
   # The first of these makes the image that the others run. Networks of containers share one name server.

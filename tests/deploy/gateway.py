@@ -92,8 +92,8 @@ def gateway(directory, upstream, *options):
     running = Gateway(directory, upstream, *map(str, options))
     try:
         yield running
-        assert running.process.poll() is None, running.log()
-        assert running.stop() == 0, running.log()
+        code = running.process.poll()
+        assert (running.stop() if code is None else code) == 0, running.log()
         assert "level=error" not in running.log(), running.log()
     finally:
         running.process.kill()
