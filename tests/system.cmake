@@ -97,6 +97,7 @@ if(NOT latvox_sanitized)
                            LABELS slow RUN_SERIAL ON SKIP_RETURN_CODE 77 TIMEOUT 3600)
   endforeach()
   latvox_add_system_test(deploy.gateway "${latvox_python};deploy/gateway_test.py")
+  latvox_add_system_test(deploy.gateway_page "${latvox_python};deploy/gateway_page_test.py")
   latvox_add_system_test(deploy.haproxy "${latvox_python};deploy/haproxy_test.py")
   latvox_add_system_test(deploy.strangers "${latvox_python};deploy/strangers_test.py")
   # The first of these makes the image that the others run. Networks of containers share one name server.
