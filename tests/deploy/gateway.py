@@ -34,10 +34,10 @@ def protocol(directory):
 class Gateway:
     """A gateway on a port of its own; its log is gateway.log."""
 
-    def __init__(self, directory, upstream, *options):
+    def __init__(self, directory, upstream, *options, program=GATEWAY / "main.js"):
         self.set, self.path = protocol(directory), directory / "gateway.log"
         self.secure = "--tls-cert" in options
-        words = ["node", GATEWAY / "main.js", "--listen", "127.0.0.1:0", "--upstream", upstream, "--protocol", self.set, *options]
+        words = ["node", program, "--listen", "127.0.0.1:0", "--upstream", upstream, "--protocol", self.set, *options]
         with open(self.path, "wb") as log:
             self.process = subprocess.Popen(words, stdout=log, stderr=log)
         address = self.await_log(r"event=listening address=(\S+)")
@@ -88,8 +88,8 @@ class Gateway:
 
 
 @contextlib.contextmanager
-def gateway(directory, upstream, *options):
-    running = Gateway(directory, upstream, *map(str, options))
+def gateway(directory, upstream, *options, **more):
+    running = Gateway(directory, upstream, *map(str, options), **more)
     try:
         yield running
         code = running.process.poll()

@@ -2,6 +2,7 @@
 
 import base64
 import json
+import re
 import signal
 import socket
 import subprocess
@@ -75,6 +76,19 @@ class Protocols(GatewayCase):
             curl = subprocess.run(["curl", "--silent", "--json", json.dumps(DRAWING), running.url + SERVICE + "Pixelize"],
                                   capture_output=True, check=True)  # fmt: skip
             self.assertEqual({*drawn, json.loads(curl.stdout)["digest"]}, {drawn[0]})
+
+    def test_the_commands_of_the_page_work(self):
+        page = (ROOT / "deploy/docs/gateway.md").read_text()
+        commands = [block for block in re.findall(r"^```bash\n(.*?)^```", page, re.M | re.S) if "curl " in block]
+        with harness.server(self.dir) as server, gateway(self.dir, server.address) as running:
+            said = []
+            for command in commands:
+                done = subprocess.run(["bash", "-euo", "pipefail", "-c", command.replace("http://127.0.0.1:8080", running.url)],
+                                      capture_output=True, text=True)  # fmt: skip
+                self.assertEqual((done.returncode, done.stderr), (0, ""), command)
+                said.append(done.stdout)
+        for answer, part in zip(said, ('"digest":', '"stored":true', '"set":"solid"'), strict=True):
+            self.assertIn(part, answer)
 
     def test_errors_have_their_details(self):
         with harness.server(self.dir) as server, gateway(self.dir, server.address) as running:
@@ -231,6 +245,23 @@ class Limits(GatewayCase):
             self.assertEqual(urlopen(running.url + "/healthz"), (200, "serving\n"))
             with harness.server(self.dir):
                 self.assertEqual(running.post("GetLimits", {})[0], 200)
+
+
+class Installed(Case):
+    def test_an_installed_gateway_has_all_files_of_its_page(self):
+        subprocess.run([GATEWAY / "install", self.dir], check=True)
+        program = self.dir / "deploy/gateway/main.js"
+        with gateway(self.dir, f"unix:{self.dir}/none", program=program) as running:
+            names = ["", "viewer.html"]
+            for name in names:
+                status, text = urlopen(f"{running.url}/{name}")
+                self.assertEqual(status, 200, name)
+                quoted = re.findall(r"""(?:src|href|from|import\()[=(\s]*["']\.?/?([\w./]+\.(?:js|css|html))["']""", text)
+                names += [each for each in quoted if each not in names and "/" not in name]
+            self.assertGreater(len(names), 20, names)
+            for name in ("STLLoader", "OBJLoader", "PLYLoader", "GLTFLoader"):
+                self.assertEqual(urlopen(f"{running.url}/three/loaders/{name}.js")[0], 200)
+        self.assertLess(sum(path.stat().st_size for path in self.dir.rglob("*") if path.is_file()), 8 << 20)
 
 
 class Options(Case):
