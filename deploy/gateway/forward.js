@@ -1,6 +1,6 @@
 // Passes calls on to latvoxd: their deadline, token, trace and end, and latvoxd's messages and errors.
 import { Code, ConnectError, createContextKey } from '@connectrpc/connect';
-import { PASSED_DOWN, unreached } from './refusals.js';
+import { disconnected, PASSED_DOWN } from './refusals.js';
 
 // Metadata of calls that latvoxd gets.
 export const PASSED_UP = ['authorization', 'traceparent', 'tracestate'];
@@ -46,8 +46,9 @@ export class Forward {
     }
     const { transport, leave } = upstream.take(), header = copy(PASSED_UP, context.requestHeader, new Headers());
     const failed = (reason) => {
-      const error = this.protocol.passed(reason), why = unreached(ConnectError.from(reason));
+      const given = ConnectError.from(reason), why = disconnected(given, context.signal.aborted);
       if (why !== null) this.upstreams.avoid(upstream, why);
+      const error = why === null ? this.protocol.passed(given) : this.protocol.away();
       call.failed(error);
       return error;
     };

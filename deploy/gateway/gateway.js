@@ -1,6 +1,7 @@
 // The HTTP server: calls, CORS, health, and the page.
 import { Code, createContextValues, createConnectRouter } from '@connectrpc/connect';
 import { universalRequestFromNodeRequest, universalResponseToNodeResponse } from '@connectrpc/connect-node';
+import { setMaxListeners } from 'node:events';
 import { readFileSync } from 'node:fs';
 import http from 'node:http';
 import http2 from 'node:http2';
@@ -16,6 +17,7 @@ export class Gateway {
     Object.assign(this, { options, protocol, upstreams, log, pages });
     this.calls = new Calls(options, protocol, log);
     this.ending = new AbortController();
+    setMaxListeners(2 * options['max-calls'] + 10, this.ending.signal); // each call listens
     // latvoxd takes no compressed messages either, because meshes and bricks are compressed already.
     const router = createConnectRouter({
       grpc: false, acceptCompression: [], readMaxBytes: options['max-body'], shutdownSignal: this.ending.signal,

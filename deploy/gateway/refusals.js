@@ -41,15 +41,13 @@ export class Protocol {
     return this.error(Code.ResourceExhausted, 'LIMIT_EXCEEDED', message, { field, value: String(value), limit: String(limit) });
   }
 
-  // Returns the error that no server can be reached.
+  // Returns the error for a server that cannot be reached, or whose connection broke.
   away() {
-    return this.error(Code.Unavailable, 'UNAVAILABLE', 'upstream: latvoxd cannot be reached', { field: 'upstream' }, 1);
+    return this.error(Code.Unavailable, 'UNAVAILABLE', 'upstream: there is no connection to latvoxd', { field: 'upstream' }, 1);
   }
 
   // Returns an error of latvoxd as callers get it.
-  passed(reason) {
-    const error = ConnectError.from(reason);
-    if (unreached(error)) return this.away();
+  passed(error) {
     const kept = PASSED_DOWN.filter((name) => error.metadata.has(name)).map((name) => [name, error.metadata.get(name)]);
     const passed = new ConnectError(error.rawMessage, error.code, kept);
     passed.details = error.details.map((detail) => (detail.type ? this.readable(detail) : detail));
@@ -57,11 +55,12 @@ export class Protocol {
   }
 }
 
-// Returns why latvoxd was not reached, such as ECONNREFUSED; null if it was.
-export function unreached(error) {
-  if (error.metadata?.has('grpc-status') || [Code.Canceled, Code.DeadlineExceeded].includes(error.code)) return null;
+// Returns why the connection to latvoxd failed, such as ECONNREFUSED; null if it did not. `left`: the caller has left, or its
+// deadline is over. Node closes the streams of a connection that breaks as if they were canceled.
+export function disconnected(error, left) {
+  if (error.metadata.has('grpc-status') || error.code === Code.DeadlineExceeded || left) return null;
   for (let cause = error.cause; cause; cause = cause.cause) if (typeof cause.code === 'string') return cause.code;
-  return error.code === Code.Unavailable ? error.rawMessage : null;
+  return [Code.Unavailable, Code.Canceled].includes(error.code) ? error.rawMessage : null;
 }
 
 // Answers a request whose body is not read.

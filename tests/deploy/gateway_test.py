@@ -224,6 +224,25 @@ class Limits(GatewayCase):
             for told in running.by_all("Pixelize", many):
                 self.assertEqual((told["code"], self.detail(told)["reason"]), ("ResourceExhausted", "LIMIT_EXCEEDED"))
 
+    def test_a_killed_server_ends_its_calls_as_unavailable(self):
+        address = f"unix:{self.dir}/latvoxd.socket"
+        with open(self.dir / "latvoxd.log", "wb") as log:
+            process = subprocess.Popen([harness.BIN / "latvoxd", "--listen", address], stderr=log)
+        process.address = address
+        self.addCleanup(process.wait)
+        self.addCleanup(process.kill)
+        harness.wait_until_healthy(process)
+        with gateway(self.dir, address) as running:
+            self.upload(running)
+            connection = self.stalled(running)
+            process.kill()
+            end = b""
+            while b'"error"' not in end:
+                got = connection.recv(1 << 20)
+                self.assertTrue(got, end)
+                end = (end + got)[-2000:]
+            self.assertIn(b'"code":"unavailable","message":"upstream: there is no connection to latvoxd"', end)
+
     def test_sigterm_lets_running_calls_end(self):
         with harness.server(self.dir) as server, gateway(self.dir, server.address, "--grace", 60) as running:
             self.upload(running)
