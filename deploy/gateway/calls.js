@@ -1,10 +1,16 @@
 // The calls in progress: how many there may be, how large they may be, and a line of the log for each.
 import { Code } from '@connectrpc/connect';
 
-const nameOf = (code) => Code[code].replace(/(?<=[a-z])(?=[A-Z])/g, '_').toUpperCase().replace('CANCELED', 'CANCELLED');
+const nameOf = (code) =>
+  Code[code]
+    .replace(/(?<=[a-z])(?=[A-Z])/g, '_')
+    .toUpperCase()
+    .replace('CANCELED', 'CANCELLED');
 
 function peerOf({ remoteAddress, remotePort, remoteFamily }) {
-  return remoteAddress ? `${remoteFamily === 'IPv6' ? `ipv6:[${remoteAddress}]` : `ipv4:${remoteAddress}`}:${remotePort}` : undefined;
+  return remoteAddress
+    ? `${remoteFamily === 'IPv6' ? `ipv6:[${remoteAddress}]` : `ipv4:${remoteAddress}`}:${remotePort}`
+    : undefined;
 }
 
 function protocolOf(type) {
@@ -15,8 +21,14 @@ function protocolOf(type) {
 class Call {
   constructor(calls, request, response, bytes) {
     Object.assign(this, { calls, response, bytes, bytesIn: 0, bytesOut: 0, error: null, start: performance.now() });
-    const type = request.headers['content-type'] ?? '', trace = /^00-([0-9a-f]{32})-/.exec(request.headers.traceparent ?? '');
-    this.origin = { method: request.url.split(/[/?]/)[2], protocol: protocolOf(type), peer: peerOf(request.socket), trace_id: trace?.[1] };
+    const type = request.headers['content-type'] ?? '',
+      trace = /^00-([0-9a-f]{32})-/.exec(request.headers.traceparent ?? '');
+    this.origin = {
+      method: request.url.split(/[/?]/)[2],
+      protocol: protocolOf(type),
+      peer: peerOf(request.socket),
+      trace_id: trace?.[1],
+    };
     response.once('close', () => this.close());
   }
 
@@ -26,16 +38,30 @@ class Call {
 
   // latvoxd is done. A caller that does not read the rest is dropped.
   ended() {
-    this.timer ??= setTimeout(() => (this.response.stream ?? this.response).destroy(), 1000 * this.calls.options['stall-timeout']);
+    this.timer ??= setTimeout(
+      () => (this.response.stream ?? this.response).destroy(),
+      1000 * this.calls.options['stall-timeout'],
+    );
   }
 
   close() {
     clearTimeout(this.timer);
     this.calls.leave(this);
     const { error, response } = this;
-    const code = error ? nameOf(error.code) : !response.writableFinished && response.stream?.rstCode !== 0 ? 'CANCELLED' : this.codeOfStatus();
-    const facts = { ...this.origin, code, bytes_in: this.bytesIn, bytes_out: this.bytesOut, total_ms: (performance.now() - this.start).toFixed(3) };
-    const level = code === 'INTERNAL' ? 'error' : /GetLimits|Check/.test(this.origin.method) && code === 'OK' ? 'debug' : 'info';
+    const code = error
+      ? nameOf(error.code)
+      : !response.writableFinished && response.stream?.rstCode !== 0
+        ? 'CANCELLED'
+        : this.codeOfStatus();
+    const facts = {
+      ...this.origin,
+      code,
+      bytes_in: this.bytesIn,
+      bytes_out: this.bytesOut,
+      total_ms: (performance.now() - this.start).toFixed(3),
+    };
+    const level =
+      code === 'INTERNAL' ? 'error' : /GetLimits|Check/.test(this.origin.method) && code === 'OK' ? 'debug' : 'info';
     this.calls.log.write(level, 'request', { ...facts, error: error?.rawMessage });
   }
 
@@ -53,19 +79,31 @@ export class Calls {
 
   // Returns { call } or { call, error }. A body of unknown length counts as the largest.
   enter(request, response) {
-    const { 'max-calls': most, 'max-body': mostBytes, 'max-bodies': room } = this.options, { protocol } = this;
-    const length = request.headers['content-length'], bytes = length === undefined ? mostBytes : Number(length);
+    const { 'max-calls': most, 'max-body': mostBytes, 'max-bodies': room } = this.options,
+      { protocol } = this;
+    const length = request.headers['content-length'],
+      bytes = length === undefined ? mostBytes : Number(length);
     const call = new Call(this, request, response, 0);
     const refused = () => {
       if (this.stopping) return protocol.error(Code.Unavailable, 'SERVER_STOPPING', 'the gateway stops', {}, 1);
       if (bytes > mostBytes) return protocol.limit('body', bytes, mostBytes, '--max-body');
       if (this.running.size >= most) {
-        return protocol.error(Code.ResourceExhausted, 'TOO_MANY_JOBS', `calls: ${this.running.size + 1} exceed ${most}, the gateway's --max-calls`,
-          { field: 'calls', value: String(this.running.size + 1), limit: String(most) }, 1);
+        return protocol.error(
+          Code.ResourceExhausted,
+          'TOO_MANY_JOBS',
+          `calls: ${this.running.size + 1} exceed ${most}, the gateway's --max-calls`,
+          { field: 'calls', value: String(this.running.size + 1), limit: String(most) },
+          1,
+        );
       }
       if (this.bytes + bytes > room) {
-        return protocol.error(Code.ResourceExhausted, 'MEMORY_IN_USE', `bodies: ${this.bytes + bytes} bytes exceed ${room}, the gateway's --max-bodies`,
-          { field: 'bodies', value: String(this.bytes + bytes), limit: String(room) }, 1);
+        return protocol.error(
+          Code.ResourceExhausted,
+          'MEMORY_IN_USE',
+          `bodies: ${this.bytes + bytes} bytes exceed ${room}, the gateway's --max-bodies`,
+          { field: 'bodies', value: String(this.bytes + bytes), limit: String(room) },
+          1,
+        );
       }
       return null;
     };

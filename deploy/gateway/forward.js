@@ -25,7 +25,10 @@ export class Forward {
   // Registers all methods with a router.
   routes(router) {
     for (const service of [this.protocol.voxelizer, this.protocol.health]) {
-      router.service(service, Object.fromEntries(service.methods.map((method) => [method.localName, this.handlerOf(method)])));
+      router.service(
+        service,
+        Object.fromEntries(service.methods.map((method) => [method.localName, this.handlerOf(method)])),
+      );
     }
   }
 
@@ -39,14 +42,17 @@ export class Forward {
 
   // Returns what both kinds of calls need. `failed` returns the error for the caller.
   begin(request, context) {
-    const call = context.values.get(CALL), upstream = this.upstreams.choose(request.spec?.meshSha256);
+    const call = context.values.get(CALL),
+      upstream = this.upstreams.choose(request.spec?.meshSha256);
     if (upstream === null) {
       call.failed(this.protocol.away());
       throw this.protocol.away();
     }
-    const { transport, leave } = upstream.take(), header = copy(PASSED_UP, context.requestHeader, new Headers());
+    const { transport, leave } = upstream.take(),
+      header = copy(PASSED_UP, context.requestHeader, new Headers());
     const failed = (reason) => {
-      const given = ConnectError.from(reason), why = disconnected(given, context.signal.aborted);
+      const given = ConnectError.from(reason),
+        why = disconnected(given, context.signal.aborted);
       if (why !== null) this.upstreams.avoid(upstream, why);
       const error = why === null ? this.protocol.passed(given) : this.protocol.away();
       call.failed(error);
@@ -72,7 +78,8 @@ export class Forward {
   // Takes a message from latvoxd only when the caller has taken the one before.
   async *stream(method, request, context) {
     const { transport, leave, call, header, failed } = this.begin(request, context);
-    const end = new AbortController(), stop = () => end.abort(context.signal.reason);
+    const end = new AbortController(),
+      stop = () => end.abort(context.signal.reason);
     context.signal.addEventListener('abort', stop);
     try {
       if (context.signal.aborted) stop();

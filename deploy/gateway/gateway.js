@@ -9,7 +9,15 @@ import { Calls } from './calls.js';
 import { CALL, Forward, PASSED_UP } from './forward.js';
 import { PASSED_DOWN, refuse } from './refusals.js';
 
-const ALLOWED = ['content-type', 'connect-protocol-version', 'connect-timeout-ms', 'grpc-timeout', 'x-grpc-web', 'x-user-agent', ...PASSED_UP];
+const ALLOWED = [
+  'content-type',
+  'connect-protocol-version',
+  'connect-timeout-ms',
+  'grpc-timeout',
+  'x-grpc-web',
+  'x-user-agent',
+  ...PASSED_UP,
+];
 const EXPOSED = ['grpc-status', 'grpc-message', 'grpc-status-details-bin', ...PASSED_DOWN];
 
 export class Gateway {
@@ -20,16 +28,25 @@ export class Gateway {
     setMaxListeners(2 * options['max-calls'] + 10, this.ending.signal); // each call listens
     // latvoxd takes no compressed messages either, because meshes and bricks are compressed already.
     const router = createConnectRouter({
-      grpc: false, acceptCompression: [], readMaxBytes: options['max-body'], shutdownSignal: this.ending.signal,
+      grpc: false,
+      acceptCompression: [],
+      readMaxBytes: options['max-body'],
+      shutdownSignal: this.ending.signal,
       jsonOptions: { registry: protocol.registry, ignoreUnknownFields: false },
     });
     new Forward(protocol, upstreams).routes(router);
     this.handlers = new Map(router.handlers.map((handler) => [handler.requestPath, handler]));
     const handle = (request, response) => this.handle(request, response);
     this.server = options['tls-cert']
-      ? http2.createSecureServer({
-        allowHTTP1: true, cert: readFileSync(options['tls-cert']), key: readFileSync(options['tls-key']), settings: { maxConcurrentStreams: 100 },
-      }, handle)
+      ? http2.createSecureServer(
+          {
+            allowHTTP1: true,
+            cert: readFileSync(options['tls-cert']),
+            key: readFileSync(options['tls-key']),
+            settings: { maxConcurrentStreams: 100 },
+          },
+          handle,
+        )
       : http.createServer({ headersTimeout: 10_000 }, handle);
     this.server.maxConnections = options['max-connections'];
   }
@@ -44,12 +61,14 @@ export class Gateway {
   }
 
   handle(request, response) {
-    const path = request.url.split('?')[0], handler = this.handlers.get(path);
+    const path = request.url.split('?')[0],
+      handler = this.handlers.get(path);
     response.setHeader('x-content-type-options', 'nosniff');
     if (this.calls.stopping && request.httpVersionMajor === 1) response.setHeader('connection', 'close');
     if (handler) return this.cors(request, response) || this.call(handler, request, response);
     if (!['GET', 'HEAD'].includes(request.method)) return this.say(response, 404, `there is no ${path}`);
-    if (path === '/healthz') return this.say(response, this.calls.stopping ? 503 : 200, this.calls.stopping ? 'stopping' : 'serving');
+    if (path === '/healthz')
+      return this.say(response, this.calls.stopping ? 503 : 200, this.calls.stopping ? 'stopping' : 'serving');
     if (path === '/readyz') return this.ready(response);
     if (!this.pages.serve(path, request, response)) this.say(response, 404, `there is no ${path}`);
   }
@@ -61,7 +80,9 @@ export class Gateway {
 
   // Answers a preflight, and returns true; or says in the answer who may read it.
   cors(request, response) {
-    const { origin } = request.headers, allowed = this.options['cors-origin'], may = allowed.includes('*') || allowed.includes(origin);
+    const { origin } = request.headers,
+      allowed = this.options['cors-origin'],
+      may = allowed.includes('*') || allowed.includes(origin);
     if (allowed.length > 0) response.setHeader('vary', 'origin');
     if (origin !== undefined && may) {
       response.setHeader('access-control-allow-origin', allowed.includes('*') ? '*' : origin);
@@ -78,12 +99,21 @@ export class Gateway {
   }
 
   async call(handler, request, response) {
-    const { call, error } = this.calls.enter(request, response), refusal = error ?? this.upwards(handler.method);
-    if (refusal) return call.failed(refusal), refuse(request, response, refusal);
+    const { call, error } = this.calls.enter(request, response),
+      refusal = error ?? this.upwards(handler.method);
+    if (refusal) return (call.failed(refusal), refuse(request, response, refusal));
     try {
-      const given = universalRequestFromNodeRequest(request, response, undefined, createContextValues().set(CALL, call));
+      const given = universalRequestFromNodeRequest(
+        request,
+        response,
+        undefined,
+        createContextValues().set(CALL, call),
+      );
       const answer = await handler({ ...given, body: this.counted(request, call) });
-      await universalResponseToNodeResponse({ ...answer, body: answer.body && this.measured(answer.body, call) }, response);
+      await universalResponseToNodeResponse(
+        { ...answer, body: answer.body && this.measured(answer.body, call) },
+        response,
+      );
     } catch (reason) {
       this.log.write('debug', 'broken', { method: handler.method.name, error: reason.message });
       response.destroy?.();
@@ -93,7 +123,8 @@ export class Gateway {
   // Returns an error for a method that streams upwards, which browsers cannot.
   upwards({ name, methodKind }) {
     if (['unary', 'server_streaming'].includes(methodKind)) return null;
-    const message = `${name} streams upwards, which the gateway does not pass on; call UploadMesh and VoxelizeStored, or VoxelizeSmall`;
+    const instead = 'call UploadMesh and VoxelizeStored, or VoxelizeSmall';
+    const message = `${name} streams upwards, which the gateway does not pass on; ${instead}`;
     return this.protocol.error(Code.Unimplemented, 'UNIMPLEMENTED', message, { field: name });
   }
 
@@ -121,7 +152,8 @@ export class Gateway {
 
   // Asks a server for its health.
   async ready(response) {
-    const upstream = this.upstreams.choose(), check = this.protocol.health.method.check;
+    const upstream = this.upstreams.choose(),
+      check = this.protocol.health.method.check;
     if (this.calls.stopping) return this.say(response, 503, 'stopping');
     if (upstream === null) return this.say(response, 503, 'latvoxd cannot be reached');
     const { transport, leave } = upstream.take();

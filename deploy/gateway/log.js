@@ -18,7 +18,9 @@ export class Log {
     if (LEVELS.indexOf(level) < this.least) return;
     const given = Object.entries(fields).filter(([, value]) => value !== undefined);
     const all = [['time', new Date().toISOString()], ['level', level], ['event', event], ...given];
-    const line = this.json ? JSON.stringify(Object.fromEntries(all)) : all.map(([name, value]) => `${name}=${quoted(value)}`).join(' ');
+    const line = this.json
+      ? JSON.stringify(Object.fromEntries(all))
+      : all.map(([name, value]) => `${name}=${quoted(value)}`).join(' ');
     process.stderr.write(`${line}\n`);
   }
 }

@@ -24,14 +24,22 @@ function parts() {
   }
   const file = options.protocol ?? fileURLToPath(new URL('protocol.binpb', import.meta.url));
   const log = new Log(options['log-level'], options['log-format']);
-  return { options, log, protocol: new Protocol(readFileSync(file)), upstreams: new Upstreams(options, log), pages: new Pages() };
+  return {
+    options,
+    log,
+    protocol: new Protocol(readFileSync(file)),
+    upstreams: new Upstreams(options, log),
+    pages: new Pages(),
+  };
 }
 
 let gateway;
 try {
   gateway = new Gateway(parts());
   const { address, port } = await gateway.listen();
-  gateway.log.write('info', 'listening', { address: address.includes(':') ? `[${address}]:${port}` : `${address}:${port}` });
+  gateway.log.write('info', 'listening', {
+    address: address.includes(':') ? `[${address}]:${port}` : `${address}:${port}`,
+  });
 } catch (error) {
   die(error.message);
 }
@@ -40,7 +48,11 @@ let stopping = false;
 async function stop(signal) {
   if (stopping) return;
   stopping = true;
-  gateway.log.write('info', 'stopping', { reason: signal, calls: gateway.calls.running.size, grace: `${gateway.options.grace}s` });
+  gateway.log.write('info', 'stopping', {
+    reason: signal,
+    calls: gateway.calls.running.size,
+    grace: `${gateway.options.grace}s`,
+  });
   const cut = await gateway.stop();
   gateway.log.write('info', 'stopped', { calls_cut: cut });
   process.exit(0);

@@ -24,10 +24,12 @@ const size = (text) => {
   return within(number * 1024 ** ['', 'KiB', 'MiB', 'GiB'].indexOf(unit ?? ''), 1024, 2 ** 40);
 };
 
-const oneOf = (...words) => (text) => {
-  if (!words.includes(text)) throw new Error(`"${text}" is not one of ${words.join(', ')}`);
-  return text;
-};
+const oneOf =
+  (...words) =>
+  (text) => {
+    if (!words.includes(text)) throw new Error(`"${text}" is not one of ${words.join(', ')}`);
+    return text;
+  };
 
 const tcp = (text) => {
   const [, bracketed, plain, port] = text.match(/^(?:\[([0-9a-fA-F:]+)\]|([^:\s]+)):(\d+)$/) ?? [];
@@ -37,17 +39,18 @@ const tcp = (text) => {
 
 const upstreams = (text) => text.split(',').map((one) => (one.startsWith('unix:') ? { path: one.slice(5) } : tcp(one)));
 
-const origins = (text) => text.split(',').map((origin) => {
-  if (origin === '*') return origin;
-  let found;
-  try {
-    found = new URL(origin).origin;
-  } catch {
-    found = null;
-  }
-  if (found !== origin) throw new Error(`"${origin}" is neither * nor an origin such as https://example.org`);
-  return origin;
-});
+const origins = (text) =>
+  text.split(',').map((origin) => {
+    if (origin === '*') return origin;
+    let found;
+    try {
+      found = new URL(origin).origin;
+    } catch {
+      found = null;
+    }
+    if (found !== origin) throw new Error(`"${origin}" is neither * nor an origin such as https://example.org`);
+    return origin;
+  });
 
 const text = (value) => value;
 
@@ -57,7 +60,12 @@ const OPTIONS = {
   insecure: ['', null, false, 'Serve other machines in plain text'],
   'tls-cert': ['FILE', text, null, 'Certificate chain (PEM); turns on TLS with HTTP/2'],
   'tls-key': ['FILE', text, null, 'Key of --tls-cert (PEM)'],
-  upstream: ['ADDRESS,...', upstreams, '127.0.0.1:50151', 'latvoxd: HOST:PORT or unix:PATH; of several, each mesh has one'],
+  upstream: [
+    'ADDRESS,...',
+    upstreams,
+    '127.0.0.1:50151',
+    'latvoxd: HOST:PORT or unix:PATH; of several, each mesh has one',
+  ],
   'upstream-tls': ['', null, false, 'Use TLS towards --upstream'],
   'upstream-ca': ['FILE', text, null, 'Roots (PEM) of --upstream, in place of those of the system'],
   'upstream-cert': ['FILE', text, null, 'Certificate (PEM) to show to --upstream'],
@@ -67,10 +75,20 @@ const OPTIONS = {
   'max-bodies': ['SIZE', size, '256MiB', 'Bodies of all requests at once'],
   'max-calls': ['N', whole(1, 100000), '256', 'Calls at once'],
   'max-connections': ['N', whole(1, 1000000), '1024', 'Connections of clients at once'],
-  'stall-timeout': ['SECONDS', seconds, '60', 'Time after which a client is dropped that does not read the end of its answer'],
+  'stall-timeout': [
+    'SECONDS',
+    seconds,
+    '60',
+    'Time after which a client is dropped that does not read the end of its answer',
+  ],
   grace: ['SECONDS', seconds, '10', 'Time for running calls to end after SIGTERM or SIGINT'],
   protocol: ['FILE', text, null, 'Description of the protocol; default: protocol.binpb beside the program'],
-  'log-level': ['LEVEL', oneOf('debug', 'info', 'warning', 'error', 'off'), 'info', 'Lowest severity of lines in the log'],
+  'log-level': [
+    'LEVEL',
+    oneOf('debug', 'info', 'warning', 'error', 'off'),
+    'info',
+    'Lowest severity of lines in the log',
+  ],
   'log-format': ['FORMAT', oneOf('text', 'json'), 'text', 'text or json'],
   help: ['', null, false, 'Print this help and exit'],
 };
@@ -82,8 +100,11 @@ export function help() {
     const usual = read && otherwise !== null && String(otherwise) !== '' ? ` (default: ${otherwise})` : '';
     return `  ${`--${name} ${kind}`.padEnd(28)}${what}${usual}`;
   });
-  return `Serve latvoxd to browsers: gRPC-Web, Connect, JSON, and a page\n\nUsage: main.js [OPTIONS]\n\n${lines.join('\n')}\n\n` +
-    `Each option is also an environment variable: --max-calls, ${variableOf('max-calls')}.\n`;
+  return (
+    'Serve latvoxd to browsers: gRPC-Web, Connect, JSON, and a page\n\nUsage: main.js [OPTIONS]\n\n' +
+    `${lines.join('\n')}\n\n` +
+    `Each option is also an environment variable: --max-calls, ${variableOf('max-calls')}.\n`
+  );
 }
 
 function truth(text) {
@@ -92,7 +113,9 @@ function truth(text) {
 }
 
 function flags(words) {
-  const options = Object.fromEntries(Object.entries(OPTIONS).map(([name, [, read]]) => [name, { type: read ? 'string' : 'boolean' }]));
+  const options = Object.fromEntries(
+    Object.entries(OPTIONS).map(([name, [, read]]) => [name, { type: read ? 'string' : 'boolean' }]),
+  );
   return parseArgs({ args: words, options, allowPositionals: false }).values;
 }
 
@@ -110,10 +133,17 @@ function read(name, flag, variable) {
 
 // What must come together.
 function check(options) {
-  const needs = [['tls-cert', 'tls-key'], ['tls-key', 'tls-cert'], ['upstream-cert', 'upstream-key'], ['upstream-key', 'upstream-cert'],
-    ['upstream-ca', 'upstream-tls'], ['upstream-cert', 'upstream-tls']];
+  const needs = [
+    ['tls-cert', 'tls-key'],
+    ['tls-key', 'tls-cert'],
+    ['upstream-cert', 'upstream-key'],
+    ['upstream-key', 'upstream-cert'],
+    ['upstream-ca', 'upstream-tls'],
+    ['upstream-cert', 'upstream-tls'],
+  ];
   for (const [one, other] of needs) if (options[one] && !options[other]) throw new Error(`--${one} needs --${other}`);
-  const { host } = options.listen, local = /^(127\.|::1$|localhost$)/.test(host);
+  const { host } = options.listen,
+    local = /^(127\.|::1$|localhost$)/.test(host);
   if (!local && !options['tls-cert'] && !options.insecure) {
     throw new Error(`--listen: ${host} reaches other machines; give --tls-cert and --tls-key, or --insecure`);
   }
@@ -130,5 +160,9 @@ export function readOptions(words, environment) {
     if (!Object.hasOwn(OPTIONS, option)) throw new Error(`${name}: there is no such option`);
   }
   const given = flags(words);
-  return check(Object.fromEntries(Object.keys(OPTIONS).map((name) => [name, read(name, given[name], environment[variableOf(name)])])));
+  return check(
+    Object.fromEntries(
+      Object.keys(OPTIONS).map((name) => [name, read(name, given[name], environment[variableOf(name)])]),
+    ),
+  );
 }

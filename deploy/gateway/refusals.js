@@ -19,7 +19,8 @@ export class Protocol {
 
   // Returns a detail of an error, readable in JSON.
   detail(type, fields) {
-    const schema = this.registry.getMessage(type), message = create(schema, fields);
+    const schema = this.registry.getMessage(type),
+      message = create(schema, fields);
     return this.readable({ type, value: toBinary(schema, message) });
   }
 
@@ -32,18 +33,29 @@ export class Protocol {
   error(code, reason, message, metadata = {}, seconds = null) {
     const error = new ConnectError(message, code);
     error.details.push(this.detail('google.rpc.ErrorInfo', { domain: 'latvox', reason, metadata }));
-    if (seconds !== null) error.details.push(this.detail('google.rpc.RetryInfo', { retryDelay: { seconds: BigInt(seconds) } }));
+    if (seconds !== null)
+      error.details.push(this.detail('google.rpc.RetryInfo', { retryDelay: { seconds: BigInt(seconds) } }));
     return error;
   }
 
   limit(field, value, limit, name) {
     const message = `${field}: ${value} bytes exceed ${limit}, the gateway's ${name}`;
-    return this.error(Code.ResourceExhausted, 'LIMIT_EXCEEDED', message, { field, value: String(value), limit: String(limit) });
+    return this.error(Code.ResourceExhausted, 'LIMIT_EXCEEDED', message, {
+      field,
+      value: String(value),
+      limit: String(limit),
+    });
   }
 
   // Returns the error for a server that cannot be reached, or whose connection broke.
   away() {
-    return this.error(Code.Unavailable, 'UNAVAILABLE', 'upstream: there is no connection to latvoxd', { field: 'upstream' }, 1);
+    return this.error(
+      Code.Unavailable,
+      'UNAVAILABLE',
+      'upstream: there is no connection to latvoxd',
+      { field: 'upstream' },
+      1,
+    );
   }
 
   // Returns an error of latvoxd as callers get it.
@@ -55,8 +67,8 @@ export class Protocol {
   }
 }
 
-// Returns why the connection to latvoxd failed, such as ECONNREFUSED; null if it did not. `left`: the caller has left, or its
-// deadline is over. Node closes the streams of a connection that breaks as if they were canceled.
+// Returns why the connection to latvoxd failed, such as ECONNREFUSED; null if it did not. `left`: the caller has left,
+// or its deadline is over. Node closes the streams of a connection that breaks as if they were canceled.
 export function disconnected(error, left) {
   if (error.metadata.has('grpc-status') || error.code === Code.DeadlineExceeded || left) return null;
   for (let cause = error.cause; cause; cause = cause.cause) if (typeof cause.code === 'string') return cause.code;

@@ -14,7 +14,8 @@ const bracketed = (address, port) => `${address.includes(':') ? `[${address}]` :
 // A server: a path, or an address and the name that its certificate must have.
 class Upstream {
   constructor(name, { path, host }, options) {
-    const tls = options['upstream-tls'], baseUrl = path ? 'http://localhost' : `${tls ? 'https' : 'http'}://${name}`;
+    const tls = options['upstream-tls'],
+      baseUrl = path ? 'http://localhost' : `${tls ? 'https' : 'http'}://${name}`;
     Object.assign(this, { name, downUntil: 0 });
     const read = (option) => (options[option] ? readFileSync(options[option]) : undefined);
     const secure = tls ? { ca: read('upstream-ca'), cert: read('upstream-cert'), key: read('upstream-key') } : {};
@@ -57,12 +58,14 @@ export class Upstreams {
     const found = new Map();
     let complete = true;
     for (const target of this.options.upstream) {
-      const { path, host, port } = target, addresses = path ? [] : await this.addressesOf(host);
+      const { path, host, port } = target,
+        addresses = path ? [] : await this.addressesOf(host);
       if (path) found.set(`unix:${path}`, target);
       complete &&= addresses !== null;
       for (const address of addresses ?? []) found.set(bracketed(address, port), target);
     }
-    for (const [name, target] of found) if (!this.servers.has(name)) this.servers.set(name, new Upstream(name, target, this.options));
+    for (const [name, target] of found)
+      if (!this.servers.has(name)) this.servers.set(name, new Upstream(name, target, this.options));
     // The calls of a server that has left its name go on; its connection ends when they have.
     for (const name of this.servers.keys()) if (complete && !found.has(name)) this.servers.delete(name);
   }
@@ -77,10 +80,12 @@ export class Upstreams {
     }
   }
 
-  // Returns the server for a mesh, or the next one; null if there is none. All calls about a mesh go to one server, because
-  // the pieces of an upload must come together.
+  // Returns the server for a mesh, or the next one; null if there is none. All calls about a mesh go to one server,
+  // because the pieces of an upload must come together.
   choose(mesh) {
-    const all = [...this.servers.values()], now = Date.now(), up = all.filter(({ downUntil }) => downUntil <= now);
+    const all = [...this.servers.values()],
+      now = Date.now(),
+      up = all.filter(({ downUntil }) => downUntil <= now);
     const candidates = up.length > 0 ? up : all;
     if (candidates.length === 0) return null;
     if (!(mesh?.length > 0)) return candidates[this.turn++ % candidates.length];
@@ -90,7 +95,8 @@ export class Upstreams {
 
   // Says that a server could not be reached.
   avoid(upstream, why) {
-    if (upstream.downUntil <= Date.now()) this.log.write('warning', 'upstream_unreached', { address: upstream.name, error: why });
+    if (upstream.downUntil <= Date.now())
+      this.log.write('warning', 'upstream_unreached', { address: upstream.name, error: why });
     upstream.downUntil = Date.now() + PAUSE;
   }
 

@@ -67,7 +67,9 @@ class Gateway:
     def post(self, method, request, headers={}, body=None):
         """Returns status, headers and the answer of a unary call in JSON, without any library."""
         data = json.dumps(request).encode() if body is None else body
-        asked = urllib.request.Request(self.url + SERVICE + method, data, {"Content-Type": "application/json", **headers})
+        asked = urllib.request.Request(
+            self.url + SERVICE + method, data, {"Content-Type": "application/json", **headers}
+        )
         try:
             with urllib.request.urlopen(asked, timeout=PATIENCE) as answer:
                 return answer.status, answer.headers, json.load(answer)
@@ -103,6 +105,8 @@ def gateway(directory, upstream, *options, **more):
 def raw(mesh):
     """Returns the description and the bytes of RawMesh."""
     vertices, triangles = mesh
-    data = b"".join(struct.pack("<3d", *vertex) for vertex in vertices) + b"".join(struct.pack("<3I", *t) for t in triangles)
+    data = b"".join(struct.pack("<3d", *vertex) for vertex in vertices) + b"".join(
+        struct.pack("<3I", *t) for t in triangles
+    )
     about = {"vertices": len(vertices), "triangles": len(triangles), "positions": "POSITION_TYPE_FLOAT64"}
     return about, data, hashlib.sha256(data).digest()

@@ -1,5 +1,6 @@
 // A caller of the gateway with npm's Connect packages. Takes calls as JSON, and prints what came of each as JSON:
-//   { url, set: file of the protocol, calls: [{ protocol: connect | connect+json | grpc-web, method, request, headers, timeout }] }
+//   url, set: file of the protocol, calls: a list of
+//   { protocol: connect | connect+json | grpc-web, method, request, headers, timeout }
 import { readFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 
@@ -24,13 +25,16 @@ function readable({ type, value }) {
 }
 
 async function tell({ protocol, method: name, request, headers, timeout }) {
-  const method = methods.find((each) => each.name === name), message = fromJson(method.input, request);
+  const method = methods.find((each) => each.name === name),
+    message = fromJson(method.input, request);
   const options = { baseUrl: url, httpVersion: '1.1', useBinaryFormat: protocol !== 'connect+json' };
   const transport = protocol === 'grpc-web' ? createGrpcWebTransport(options) : createConnectTransport(options);
   const messages = [];
   try {
     const unary = method.methodKind === 'unary';
-    const answer = unary ? await transport.unary(method, undefined, timeout, headers, message) : await transport.stream(method, undefined, timeout, headers, single(message));
+    const answer = unary
+      ? await transport.unary(method, undefined, timeout, headers, message)
+      : await transport.stream(method, undefined, timeout, headers, single(message));
     if (unary) messages.push(toJson(method.output, answer.message));
     else for await (const each of answer.message) messages.push(toJson(method.output, each));
     return { messages, header: Object.fromEntries(answer.header) };

@@ -33,18 +33,29 @@ def stl(mesh):
 def glb(mesh):
     """Returns a .glb whose node moves the mesh by 5 along x."""
     vertices, triangles = mesh
-    points, corners = b"".join(struct.pack("<3f", *v) for v in vertices), b"".join(struct.pack("<3H", *t) for t in triangles)
+    points, corners = b"".join(struct.pack("<3f", *v) for v in vertices), b"".join(
+        struct.pack("<3H", *t) for t in triangles
+    )
     about = {
-        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0, "translation": [5, 0, 0]}],
+        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0, "translation": [5, 0, 0]}],
         "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
         "buffers": [{"byteLength": len(points + corners)}],
-        "bufferViews": [{"buffer": 0, "byteLength": len(points)}, {"buffer": 0, "byteOffset": len(points), "byteLength": len(corners)}],
-        "accessors": [{"bufferView": 0, "componentType": 5126, "count": len(vertices), "type": "VEC3", "min": [-7] * 3, "max": [7] * 3},
+        "bufferViews": [{"buffer": 0, "byteLength": len(points)},
+                        {"buffer": 0, "byteOffset": len(points), "byteLength": len(corners)}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": len(vertices), "type": "VEC3",
+                       "min": [-7] * 3, "max": [7] * 3},
                       {"bufferView": 1, "componentType": 5123, "count": 3 * len(triangles), "type": "SCALAR"}],
     }  # fmt: skip
     text = json.dumps(about).encode()
     text += b" " * (-len(text) % 4)
-    chunks = struct.pack("<I4s", len(text), b"JSON") + text + struct.pack("<I4s", len(points + corners), b"BIN\0") + points + corners
+    chunks = (
+        struct.pack("<I4s", len(text), b"JSON")
+        + text
+        + struct.pack("<I4s", len(points + corners), b"BIN\0")
+        + points
+        + corners
+    )
     return b"glTF" + struct.pack("<II", 2, 12 + len(chunks)) + chunks
 
 
@@ -54,7 +65,9 @@ class Page(Case):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        home, cls.place = (pathlib.Path(cls.enterClassContext(tempfile.TemporaryDirectory(prefix="latvox-"))) for _ in range(2))
+        home, cls.place = (
+            pathlib.Path(cls.enterClassContext(tempfile.TemporaryDirectory(prefix="latvox-"))) for _ in range(2)
+        )
         cls.server = cls.enterClassContext(harness.server(cls.place))
         cls.gateway = cls.enterClassContext(gateway(cls.place, cls.server.address))
         cls.browser = Browser(home, ONLY_HERE)
@@ -71,22 +84,34 @@ class Page(Case):
         return tab
 
     def drop(self, tab, name, data):
-        tab.run(f"""{{
-          const bytes = Uint8Array.from(atob("{base64.b64encode(data).decode()}"), (c) => c.charCodeAt(0)), dropped = new DataTransfer();
+        tab.run(
+            f"""{{
+          const bytes = Uint8Array.from(atob("{base64.b64encode(data).decode()}"), (c) => c.charCodeAt(0));
+          const dropped = new DataTransfer(), how = {{ dataTransfer: dropped, bubbles: true, cancelable: true }};
           dropped.items.add(new File([bytes], "{name}"));
-          document.body.dispatchEvent(new DragEvent("drop", {{ dataTransfer: dropped, bubbles: true, cancelable: true }}));
-        }}""")
+          document.body.dispatchEvent(new DragEvent("drop", how));
+        }}"""
+        )
         tab.rest()
 
     def shown(self, tab):
         """Returns the rows of the page's table."""
-        self.assertTrue(tab.run("document.getElementById('error').hidden"), tab.run("document.getElementById('error').innerText"))
-        tab.run("""new Promise((resolve) => {
-          const look = () => (document.getElementById('viewer').contentDocument.body.dataset.busy === 'no' ? resolve() : setTimeout(look, 20));
+        self.assertTrue(
+            tab.run("document.getElementById('error').hidden"), tab.run("document.getElementById('error').innerText")
+        )
+        tab.run(
+            """new Promise((resolve) => {
+          const isBusy = () => document.getElementById('viewer').contentDocument.body.dataset.busy !== 'no';
+          const look = () => (isBusy() ? setTimeout(look, 20) : resolve());
           look();
-        })""")
+        })"""
+        )
         self.assertEqual(tab.complaints(), [])
-        return dict(tab.run("[...document.querySelectorAll('#summary tr')].map((row) => [...row.cells].map((cell) => cell.innerText))"))
+        return dict(
+            tab.run(
+                "[...document.querySelectorAll('#summary tr')].map(({ cells }) => [...cells].map((td) => td.innerText))"
+            )
+        )
 
     def picture(self, tab, name):
         png = tab.png()
@@ -97,7 +122,9 @@ class Page(Case):
         return self.voxelize(path, *options, "--server", self.server.address, out="direct.csv")
 
     def test_a_dropped_mesh_becomes_voxels_and_its_link_repeats_them(self):
-        direct = self.direct(write_obj(self.dir / "a.obj", self.mesh), "--lattice", "bcc", "--resolution", 40, "--fields", "distance")
+        direct = self.direct(
+            write_obj(self.dir / "a.obj", self.mesh), "--lattice", "bcc", "--resolution", 40, "--fields", "distance"
+        )
         tab = self.tab("#lattice=bcc&resolution=40&fields=distance")
         empty = self.picture(tab, "empty")
         self.drop(tab, "a.stl", stl(self.mesh))
@@ -124,14 +151,21 @@ class Page(Case):
 
     def test_bricks_are_shown_while_they_arrive(self):
         tab = self.tab("#resolution=500&set=supercover")
-        tab.run("""{
+        tab.run(
+            """{
           window.told = [];
-          const look = () => told.push([document.getElementById("status").innerText, !document.getElementById("viewer").hidden]);
-          new MutationObserver(look).observe(document.getElementById("status"), { childList: true });
-        }""")
+          const [status, viewer] = ["status", "viewer"].map((id) => document.getElementById(id));
+          const look = () => told.push([status.innerText, !viewer.hidden]);
+          new MutationObserver(look).observe(status, { childList: true });
+        }"""
+        )
         self.drop(tab, "a.stl", stl(self.mesh))
         voxels = self.shown(tab)["voxels"]
-        partial = [text.removesuffix(" voxels so far") for text, viewer in tab.run("told") if text.endswith(" so far") and viewer]
+        partial = [
+            text.removesuffix(" voxels so far")
+            for text, viewer in tab.run("told")
+            if text.endswith(" so far") and viewer
+        ]
         self.assertGreater(len(partial), 1, tab.run("told"))
         self.assertNotEqual(partial[0], voxels)
 
@@ -154,35 +188,53 @@ class Page(Case):
 
     def test_keys_formats_cells_and_errors(self):
         tab = self.tab("#resolution=30")
-        counts = tab.run("""import('./cell.js').then(({ facetsOf }) => [
+        counts = tab.run(
+            """import('./cell.js').then(({ facetsOf }) => [
           [[1, 0, 0], [0, 1, 0], [0, 0, 1]], [[2, 0, 0], [0, 2, 0], [1, 1, 1]], [[1, 1, 0], [1, 0, 1], [0, 1, 1]],
           [[1, 0, 0], [0.5, Math.sqrt(3) / 2, 0], [0, 0, 1]],
-        ].map((basis) => facetsOf(basis).map(({ corners }) => corners.length).sort().join('')))""")
+        ].map((basis) => facetsOf(basis).map(({ corners }) => corners.length).sort().join('')))"""
+        )
         self.assertEqual(counts, ["4" * 6, "4" * 6 + "6" * 8, "4" * 12, "4" * 6 + "66"])
         plain = self.direct(write_obj(self.dir / "a.obj", self.mesh), "--resolution", 30)["digest"]
-        for name, data in (("b.obj", (self.dir / "a.obj").read_bytes()), ("c.glb", glb(self.mesh)), ("d.ply", ply(self.mesh))):
+        for name, data in (
+            ("b.obj", (self.dir / "a.obj").read_bytes()),
+            ("c.glb", glb(self.mesh)),
+            ("d.ply", ply(self.mesh)),
+        ):
             with self.subTest(name):
                 self.drop(tab, name, data)
                 self.assertEqual(self.shown(tab)["digest"], plain)
         tab.run("document.forms[0].elements.k.value = 2")
         for kind in ("keyDown", "keyUp"):
-            tab.call("Input.dispatchKeyEvent", type=kind, key="Enter", code="Enter", windowsVirtualKeyCode=13, modifiers=2)
+            tab.call(
+                "Input.dispatchKeyEvent", type=kind, key="Enter", code="Enter", windowsVirtualKeyCode=13, modifiers=2
+            )
         tab.rest()
-        self.assertEqual(self.shown(tab)["digest"], self.direct(self.dir / "a.obj", "--resolution", 30, "--separability", 2)["digest"])
+        self.assertEqual(
+            self.shown(tab)["digest"],
+            self.direct(self.dir / "a.obj", "--resolution", 30, "--separability", 2)["digest"],
+        )
         self.drop(tab, "e.stl", b"no mesh")
         self.assertFalse(tab.run("document.getElementById('error').hidden"))
         self.drop(tab, "e.xyz", b"no mesh")
         self.assertIn('"e.xyz" is not one of .stl, .obj', tab.run("document.getElementById('error').innerText"))
         tab.complaints()
         lost = self.tab(f"#resolution=30&name=lost.stl&mesh={'ab' * 32}&raw=3,1,float32")
-        self.assertEqual(lost.run("document.getElementById('error').innerText"), "The server no longer has lost.stl: drop the file once more.")
+        self.assertEqual(
+            lost.run("document.getElementById('error').innerText"),
+            "The server no longer has lost.stl: drop the file once more.",
+        )
 
 
 def ply(mesh):
     vertices, triangles = mesh
-    head = f"ply\nformat ascii 1.0\nelement vertex {len(vertices)}\nproperty float x\nproperty float y\nproperty float z\n"
+    head = (
+        f"ply\nformat ascii 1.0\nelement vertex {len(vertices)}\nproperty float x\nproperty float y\nproperty float z\n"
+    )
     head += f"element face {len(triangles)}\nproperty list uchar int vertex_indices\nend_header\n"
-    return (head + "".join("%g %g %g\n" % v for v in vertices) + "".join("3 %d %d %d\n" % t for t in triangles)).encode()
+    return (
+        head + "".join("%g %g %g\n" % v for v in vertices) + "".join("3 %d %d %d\n" % t for t in triangles)
+    ).encode()
 
 
 if __name__ == "__main__":

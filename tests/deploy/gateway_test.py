@@ -31,7 +31,11 @@ def text(data):
 
 def voxels(messages):
     """Returns the number of bits in all masks."""
-    return sum(int.from_bytes(base64.b64decode(m["bricks"].get("masks", "")), "little").bit_count() for m in messages if "bricks" in m)
+    return sum(
+        int.from_bytes(base64.b64decode(m["bricks"].get("masks", "")), "little").bit_count()
+        for m in messages
+        if "bricks" in m
+    )
 
 
 class GatewayCase(Case):
@@ -62,7 +66,8 @@ class GatewayCase(Case):
         connection = socket.create_connection((host, int(port)), timeout=harness.PATIENCE)
         self.addCleanup(connection.close)
         framed = b"\0" + len(body).to_bytes(4, "big") + body
-        head = f"POST {SERVICE}VoxelizeStored HTTP/1.1\r\nHost: a\r\nContent-Type: application/connect+json\r\nContent-Length: {len(framed)}\r\n\r\n"
+        head = f"POST {SERVICE}VoxelizeStored HTTP/1.1\r\nHost: a\r\n"
+        head += f"Content-Type: application/connect+json\r\nContent-Length: {len(framed)}\r\n\r\n"
         connection.sendall(head.encode() + framed)
         self.assertIn(b" 200 OK", connection.recv(4096))
         return connection
@@ -112,8 +117,8 @@ class Protocols(Shared):
         commands = [block for block in re.findall(r"^```bash\n(.*?)^```", page, re.M | re.S) if "curl " in block]
         said = []
         for command in commands:
-            done = subprocess.run(["bash", "-euo", "pipefail", "-c", command.replace("http://127.0.0.1:8080", self.running.url)],
-                                  capture_output=True, text=True)  # fmt: skip
+            words = ["bash", "-euo", "pipefail", "-c", command.replace("http://127.0.0.1:8080", self.running.url)]
+            done = subprocess.run(words, capture_output=True, text=True)
             self.assertEqual((done.returncode, done.stderr), (0, ""), command)
             said.append(done.stdout)
         for answer, part in zip(said, ('"digest":', '"stored":true', '"set":"solid"'), strict=True):
@@ -123,9 +128,13 @@ class Protocols(Shared):
         running = self.running
         wrong = {**DRAWING, "polylines": [{"xy": [0, 0, 3]}]}
         for told in running.by_all("Pixelize", wrong):
-            self.assertEqual((told["code"], told["message"]), ("InvalidArgument", "polylines[0].xy has 3 coordinates, which is odd"))
+            self.assertEqual(
+                (told["code"], told["message"]), ("InvalidArgument", "polylines[0].xy has 3 coordinates, which is odd")
+            )
             info = self.detail(told)
-            self.assertEqual((info["reason"], info["metadata"]), ("BAD_SPEC", {"field": "polylines[0].xy", "value": "3"}))
+            self.assertEqual(
+                (info["reason"], info["metadata"]), ("BAD_SPEC", {"field": "polylines[0].xy", "value": "3"})
+            )
         unknown = {"spec": {**BCC, "meshSha256": text(bytes(32)), "rawMesh": self.about}}
         for told in running.by_all("VoxelizeStored", unknown):
             self.assertEqual((told["code"], self.detail(told)["reason"]), ("NotFound", "MESH_NOT_FOUND"))
@@ -138,10 +147,14 @@ class Protocols(Shared):
     def test_token_and_trace_are_passed_on(self):
         (self.dir / "tokens").write_text("alice 0123456789abcdef\n")
         token, trace = {"authorization": "Bearer 0123456789abcdef"}, "0af7651916cd43dd8448eb211c80319c"
-        with harness.server(self.dir, "--token-file", self.dir / "tokens") as server, gateway(self.dir, server.address) as running:
+        with harness.server(self.dir, "--token-file", self.dir / "tokens") as server, gateway(
+            self.dir, server.address
+        ) as running:
             for told in running.by_all("Pixelize", DRAWING):
                 self.assertEqual((told["code"], self.detail(told)["reason"]), ("Unauthenticated", "UNAUTHENTICATED"))
-            for told in running.by_all("Pixelize", DRAWING, headers={**token, "traceparent": f"00-{trace}-b7ad6b7169203331-01"}):
+            for told in running.by_all(
+                "Pixelize", DRAWING, headers={**token, "traceparent": f"00-{trace}-b7ad6b7169203331-01"}
+            ):
                 self.assertNotIn("code", told)
                 self.assertIn(trace, told["header"]["traceparent"])
             harness.await_log(self.dir, f"caller=alice trace_id={trace}", 3)
@@ -157,11 +170,14 @@ class Protocols(Shared):
             up = ["--upstream-tls", "--upstream-ca", authority.root]
             with gateway(self.dir, address, *up, "--tls-cert", certificate, "--tls-key", key) as running:
                 for version in ("--http1.1", "--http2"):
-                    done = subprocess.run(["curl", "--silent", "--show-error", version, "--cacert", authority.root, "--write-out", "%{http_version}",
-                                           "--json", "{}", running.url + SERVICE + "GetLimits"], capture_output=True, text=True)  # fmt: skip
+                    words = ["curl", "--silent", "--show-error", version, "--cacert", authority.root]
+                    words += ["--write-out", "%{http_version}", "--json", "{}", running.url + SERVICE + "GetLimits"]
+                    done = subprocess.run(words, capture_output=True, text=True)
                     self.assertEqual(done.returncode, 0, done.stderr)
                     self.assertIn('"maxJobs":', done.stdout)
-                    self.assertTrue(done.stdout.endswith({"--http1.1": "}1.1", "--http2": "}2"}[version]), done.stdout[-9:])
+                    self.assertTrue(
+                        done.stdout.endswith({"--http1.1": "}1.1", "--http2": "}2"}[version]), done.stdout[-9:]
+                    )
 
     def test_pages_of_other_origins_may_call_only_by_configuration(self):
         ask = {"Origin": "https://a.example", "Access-Control-Request-Method": "POST"}
@@ -169,7 +185,9 @@ class Protocols(Shared):
             for allowed, may in (([], False), (["--cors-origin", "https://b.example,https://a.example"], True)):
                 with self.subTest(allowed), gateway(self.dir, server.address, *allowed) as running:
                     status, headers = options(running, ask)
-                    self.assertEqual((status, "access-control-allow-origin" in headers), (204, True) if may else (403, False))
+                    self.assertEqual(
+                        (status, "access-control-allow-origin" in headers), (204, True) if may else (403, False)
+                    )
                     _, headers, _ = running.post("GetLimits", {}, {"Origin": "https://a.example"})
                     self.assertEqual("access-control-allow-origin" in headers, may)
 
@@ -182,14 +200,19 @@ def options(running, headers):
 
 
 def urlopen(url):
-    done = subprocess.run(["curl", "--silent", "--write-out", "%{http_code}", url], capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        ["curl", "--silent", "--write-out", "%{http_code}", url], capture_output=True, text=True, check=True
+    )
     return int(done.stdout[-3:]), done.stdout[:-3]
 
 
 class Streams(Shared):
     OPTIONS = ("--max-calls", 3)
 
-    ENDED = r"time=\S+T(\d+:\d+:\d+\.\d+)Z level=\w+ event=request .*method=VoxelizeStored .*code=(?:CANCELLED|DEADLINE_EXCEEDED)"
+    ENDED = (
+        r"time=\S+T(\d+:\d+:\d+\.\d+)Z level=\w+ event=request "
+        r".*method=VoxelizeStored .*code=(?:CANCELLED|DEADLINE_EXCEEDED)"
+    )
 
     def setUp(self):
         super().setUp()
@@ -197,7 +220,7 @@ class Streams(Shared):
         self.before = len(re.findall(self.ENDED, (self.place / "latvoxd.log").read_text()))
 
     def await_ended(self, count):
-        """Waits until latvoxd says that calls of this test have ended early. Returns the time of the last, in seconds."""
+        """Waits until so many calls of this test have ended early, by latvoxd's log. Returns the last one's time."""
         hours, minutes, seconds = map(float, harness.await_log(self.place, self.ENDED, self.before + count).split(":"))
         return 3600 * hours + 60 * minutes + seconds
 
@@ -217,7 +240,10 @@ class Streams(Shared):
     def test_a_slow_reader_takes_little_memory_and_others_go_on(self):
         connections = [self.stalled(self.running) for _ in range(3)]
         status, _, answer = self.running.post("GetLimits", {})
-        self.assertEqual((status, self.detail(answer)["reason"], self.detail(answer)["metadata"]["limit"]), (429, "TOO_MANY_JOBS", "3"))
+        self.assertEqual(
+            (status, self.detail(answer)["reason"], self.detail(answer)["metadata"]["limit"]),
+            (429, "TOO_MANY_JOBS", "3"),
+        )
         self.detail(answer, "RetryInfo")
         connections[0].close()
         self.await_ended(1)
@@ -281,7 +307,9 @@ class Limits(GatewayCase):
         address = f"unix:{self.dir}/latvoxd.socket"
         with gateway(self.dir, address) as running:
             status, _, answer = running.post("GetLimits", {})
-            self.assertEqual((status, answer["code"], self.detail(answer)["metadata"]), (503, "unavailable", {"field": "upstream"}))
+            self.assertEqual(
+                (status, answer["code"], self.detail(answer)["metadata"]), (503, "unavailable", {"field": "upstream"})
+            )
             self.assertEqual(urlopen(running.url + "/readyz")[0], 503)
             self.assertEqual(urlopen(running.url + "/healthz"), (200, "serving\n"))
             with harness.server(self.dir):
@@ -297,7 +325,9 @@ class Installed(Case):
             for name in names:
                 status, text = urlopen(f"{running.url}/{name}")
                 self.assertEqual(status, 200, name)
-                quoted = re.findall(r"""(?:src|href|from|import\()[=(\s]*["']\.?/?([\w./]+\.(?:js|css|html))["']""", text)
+                quoted = re.findall(
+                    r"""(?:src|href|from|import\()[=(\s]*["']\.?/?([\w./]+\.(?:js|css|html))["']""", text
+                )
                 names += [each for each in quoted if each not in names and "/" not in name]
             self.assertGreater(len(names), 20, names)
             for name in ("STLLoader", "OBJLoader", "PLYLoader", "GLTFLoader"):
@@ -309,7 +339,10 @@ class Options(Case):
     def test_wrong_options_are_named(self):
         for words, message in (
             (["--max-calls", "0"], "--max-calls: 0 is not between 1 and 100000"),
-            (["--listen", "0.0.0.0:80"], "--listen: 0.0.0.0 reaches other machines; give --tls-cert and --tls-key, or --insecure"),
+            (
+                ["--listen", "0.0.0.0:80"],
+                "--listen: 0.0.0.0 reaches other machines; give --tls-cert and --tls-key, or --insecure",
+            ),
             (["--tls-cert", "a.pem"], "--tls-cert needs --tls-key"),
         ):
             done = subprocess.run(["node", GATEWAY / "main.js", *words], capture_output=True, text=True)

@@ -26,7 +26,11 @@ GROSS_MS = 1000
 ABOUT, DATA, NAME = raw(octahedron(7.0))
 SPEC = {"lattice": {"named": "NAMED_LATTICE_BCC"}, "resolution": 40, "rawMesh": ABOUT}
 BIG = {**SPEC, "resolution": 3000, "supercover": {}, "meshSha256": base64.b64encode(NAME).decode()}
-SMALL_CALL = ("VoxelizeSmall", "application/json", json.dumps({"spec": SPEC, "mesh": base64.b64encode(DATA).decode()}).encode())
+SMALL_CALL = (
+    "VoxelizeSmall",
+    "application/json",
+    json.dumps({"spec": SPEC, "mesh": base64.b64encode(DATA).decode()}).encode(),
+)
 
 
 def stream_call():
@@ -38,7 +42,8 @@ async def begin(running, method, kind, body):
     """Sends a call. Returns the two ends of its connection."""
     host, port = running.address.split(":")
     reader, writer = await asyncio.open_connection(host, int(port))
-    head = f"POST {SERVICE}{method} HTTP/1.1\r\nHost: a\r\nConnection: close\r\nContent-Type: {kind}\r\nContent-Length: {len(body)}\r\n\r\n"
+    head = f"POST {SERVICE}{method} HTTP/1.1\r\nHost: a\r\nConnection: close\r\n"
+    head += f"Content-Type: {kind}\r\nContent-Length: {len(body)}\r\n\r\n"
     writer.write(head.encode() + body)
     await writer.drain()
     return reader, writer
@@ -91,12 +96,20 @@ class GatewayFaults(Faults):
         return len(os.listdir(f"/proc/{running.process.pid}/fd"))
 
     def test_many_clients(self):
-        with stage.server(self.dir, "--max-jobs-per-client", "300") as server, gateway(self.dir, server.address) as running:
+        with stage.server(self.dir, "--max-jobs-per-client", "300") as server, gateway(
+            self.dir, server.address
+        ) as running:
             right = asyncio.run(small(running))[0]
             before = self.descriptors(running)
             self.judge(f"{CLIENTS} clients", asyncio.run(load(running, CLIENTS, LOAD)), right)
             time.sleep(1)
-            self.figure(f"{CLIENTS} clients: the gateway's memory at most", running.memory() / MIB, "MiB", "<= 1024", running.memory() <= 1024 * MIB)
+            self.figure(
+                f"{CLIENTS} clients: the gateway's memory at most",
+                running.memory() / MIB,
+                "MiB",
+                "<= 1024",
+                running.memory() <= 1024 * MIB,
+            )
             more = self.descriptors(running) - before
             self.figure(f"{CLIENTS} clients: files left open", more, "", "<= 4, connections to latvoxd", more <= 4)
 
@@ -121,7 +134,13 @@ class GatewayFaults(Faults):
             self.judge("beside readers that stop", outcomes, right)
             for name, grown in (("gateway", running.memory() - rest), ("server", watch.peak - server_rest)):
                 each = grown / READERS
-                self.figure(f"readers that stop: memory of the {name} for each", each / MIB, "MiB", f"<= {BYTES_A_READER // MIB}", each <= BYTES_A_READER)
+                self.figure(
+                    f"readers that stop: memory of the {name} for each",
+                    each / MIB,
+                    "MiB",
+                    f"<= {BYTES_A_READER // MIB}",
+                    each <= BYTES_A_READER,
+                )
             running.await_log("method=VoxelizeStored .*code=CANCELLED", READERS)
 
     def test_sudden_death(self):
@@ -151,7 +170,9 @@ class GatewayFaults(Faults):
             self.figure("killed: calls that latvoxd gave up", len(ended), f"of {READERS}", "all", len(ended) == READERS)
             last = max(line["time"] for line in ended)
             took = 1000 * (datetime.datetime.fromisoformat(last.replace("Z", "+00:00")).timestamp() - killed)
-            self.bounded("killed: until latvoxd gave up the last of its calls", took, "ms", promised=50, fails_over=GROSS_MS)
+            self.bounded(
+                "killed: until latvoxd gave up the last of its calls", took, "ms", promised=50, fails_over=GROSS_MS
+            )
             with gateway(self.dir, server.address) as again:
                 said = asyncio.run(small(again))[0]
                 self.figure("killed and started again: a call", said, "", f"{right}, the right digest", said == right)

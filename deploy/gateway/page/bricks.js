@@ -25,16 +25,19 @@ function readOctree(bytes, at, rows) {
 
 // Returns the bricks: coordinates of the brick as three 32-bit integers, then its 64 rows, 76 bytes each.
 export function unpack(packed) {
-  const view = new DataView(packed.buffer, packed.byteOffset, packed.length), tile = new Uint8Array(64), rows = new Uint8Array(64);
+  const view = new DataView(packed.buffer, packed.byteOffset, packed.length),
+    tile = new Uint8Array(64),
+    rows = new Uint8Array(64);
   const found = [];
-  for (let at = 0; at < packed.length; ) {
+  for (let at = 0; at < packed.length;) {
     const corner = [0, 4, 8].map((n) => 8 * view.getInt32(at + n, true));
     at = readOctree(packed, at + 12, tile);
     for (let row = 0; row < 64; ++row) {
       for (let z = 0; z < 8; ++z) {
         if (((tile[row] >> z) & 1) === 0) continue;
         at = readOctree(packed, at, rows);
-        const brick = new Uint8Array(76), place = new DataView(brick.buffer);
+        const brick = new Uint8Array(76),
+          place = new DataView(brick.buffer);
         [row >> 3, row & 7, z].forEach((n, m) => place.setInt32(4 * m, corner[m] + n, true));
         brick.set(rows, 12);
         found.push(brick);

@@ -3,19 +3,34 @@ import { forEachVoxel, joined, unpack } from './bricks.js';
 import { flattened, MOST_VOXELS, paintOf, sceneOf } from './scene.js';
 import { base64Of, bytesOf } from './service.js';
 
-export const NAMED = { cartesian: 'NAMED_LATTICE_CARTESIAN', bcc: 'NAMED_LATTICE_BCC', fcc: 'NAMED_LATTICE_FCC', hexagonal: 'NAMED_LATTICE_HEXAGONAL' };
+export const NAMED = {
+  cartesian: 'NAMED_LATTICE_CARTESIAN',
+  bcc: 'NAMED_LATTICE_BCC',
+  fcc: 'NAMED_LATTICE_FCC',
+  hexagonal: 'NAMED_LATTICE_HEXAGONAL',
+};
 
 const SETS = {
-  surface: () => ({ surface: {} }), supercover: () => ({ supercover: {} }), solid: () => ({ solid: {} }),
-  interior: () => ({ solid: { surface: 'SOLID_SURFACE_NONE' } }), enclosed: () => ({ enclosed: {} }), links: () => ({ links: {} }),
+  surface: () => ({ surface: {} }),
+  supercover: () => ({ supercover: {} }),
+  solid: () => ({ solid: {} }),
+  interior: () => ({ solid: { surface: 'SOLID_SURFACE_NONE' } }),
+  enclosed: () => ({ enclosed: {} }),
+  links: () => ({ links: {} }),
   band: ({ width }) => ({ band: { voxels: Number(width) } }),
 };
 
 function specOf(mesh, settings) {
   return {
-    lattice: { named: NAMED[settings.lattice] }, resolution: Number(settings.resolution), separability: Number(settings.k), verify: settings.verify,
-    fields: settings.fields.map((name) => `FIELD_${name.toUpperCase()}`), ...SETS[settings.set](settings), encoding: 'BRICK_ENCODING_PACKED',
-    meshSha256: base64Of(Uint8Array.from(mesh.sha256.match(/../g), (byte) => parseInt(byte, 16))), rawMesh: mesh.spec,
+    lattice: { named: NAMED[settings.lattice] },
+    resolution: Number(settings.resolution),
+    separability: Number(settings.k),
+    verify: settings.verify,
+    fields: settings.fields.map((name) => `FIELD_${name.toUpperCase()}`),
+    ...SETS[settings.set](settings),
+    encoding: 'BRICK_ENCODING_PACKED',
+    meshSha256: base64Of(Uint8Array.from(mesh.sha256.match(/../g), (byte) => parseInt(byte, 16))),
+    rawMesh: mesh.spec,
   };
 }
 
@@ -23,8 +38,24 @@ let opened = 0; // viewers
 
 export class Job {
   constructor(service, mesh, settings, frame) {
-    Object.assign(this, { service, mesh, settings, frame, request: { spec: specOf(mesh, settings) }, end: new AbortController(), canceled: false });
-    Object.assign(this, { parts: [], values: settings.fields.map(() => []), voxels: 0, live: false, waiting: [], nextAt: 0, shown: false });
+    Object.assign(this, {
+      service,
+      mesh,
+      settings,
+      frame,
+      request: { spec: specOf(mesh, settings) },
+      end: new AbortController(),
+      canceled: false,
+    });
+    Object.assign(this, {
+      parts: [],
+      values: settings.fields.map(() => []),
+      voxels: 0,
+      live: false,
+      waiting: [],
+      nextAt: 0,
+      shown: false,
+    });
   }
 
   cancel() {
@@ -34,10 +65,15 @@ export class Job {
 
   // `tell` is called with a text and the share that is done.
   async run(tell) {
-    const started = performance.now(), { signal } = this.end;
+    const started = performance.now(),
+      { signal } = this.end;
     if (this.mesh.bytes) {
       tell('asking whether the server has the mesh', 0);
-      const spec = { meshSha256: this.request.spec.meshSha256, meshBytes: this.mesh.bytes.length, rawMesh: this.mesh.spec };
+      const spec = {
+        meshSha256: this.request.spec.meshSha256,
+        meshBytes: this.mesh.bytes.length,
+        rawMesh: this.mesh.spec,
+      };
       await this.service.upload(spec, this.mesh.bytes, signal, (share) => tell('sending the mesh', share));
     }
     tell('voxelizing', 0);
@@ -49,7 +85,8 @@ export class Job {
     this.seconds = (performance.now() - started) / 1000;
     this.bricks = joined(this.parts);
     this.fields = this.settings.fields.map((name, n) => ({ name, bytes: joined(this.values[n]) }));
-    if (this.voxels !== Number(this.summary.voxels ?? 0)) throw new Error(`${this.voxels} voxels came, and the summary has ${this.summary.voxels}`);
+    if (this.voxels !== Number(this.summary.voxels ?? 0))
+      throw new Error(`${this.voxels} voxels came, and the summary has ${this.summary.voxels}`);
     await this.show();
   }
 
@@ -57,7 +94,10 @@ export class Job {
     this.accepted = accepted;
     const reach = this.settings.set === 'band' ? Number(this.settings.width) * accepted.grid.voxelSize : 0;
     const empty = { min: {}, max: { i: 1, j: 1, k: 1 } };
-    this.scene = sceneOf({ ...accepted, indexBox: accepted.indexBox ?? empty }, { title: this.mesh.name, up: this.settings.up, reach });
+    this.scene = sceneOf(
+      { ...accepted, indexBox: accepted.indexBox ?? empty },
+      { title: this.mesh.name, up: this.settings.up, reach },
+    );
   }
 
   async take({ packed, fields = [], progress = 0 }, tell) {
@@ -91,10 +131,26 @@ export class Job {
       this.frame.hidden = true;
       return;
     }
-    const found = this.fields.map(({ name, bytes }) => paintOf(name, bytes)), { settings, scene } = this;
-    const metadata = [...flattened(this.summary.certificate), ...flattened(this.summary.timings ?? {}), ['resolution', settings.resolution]];
-    const data = { ...scene, voxels: this.voxels, metadata, paints: found.map(({ paint }) => paint), band: settings.set === 'band' };
-    await this.open(data, this.bricks, joined(found.map(({ colors }) => colors)), joined(this.fields.map(({ bytes }) => bytes)));
+    const found = this.fields.map(({ name, bytes }) => paintOf(name, bytes)),
+      { settings, scene } = this;
+    const metadata = [
+      ...flattened(this.summary.certificate),
+      ...flattened(this.summary.timings ?? {}),
+      ['resolution', settings.resolution],
+    ];
+    const data = {
+      ...scene,
+      voxels: this.voxels,
+      metadata,
+      paints: found.map(({ paint }) => paint),
+      band: settings.set === 'band',
+    };
+    await this.open(
+      data,
+      this.bricks,
+      joined(found.map(({ colors }) => colors)),
+      joined(this.fields.map(({ bytes }) => bytes)),
+    );
     this.shown = true;
   }
 
@@ -104,7 +160,8 @@ export class Job {
     this.frame.hidden = false;
     return new Promise((resolve) => {
       this.frame.addEventListener('load', resolve, { once: true });
-      this.frame.contentWindow.location.replace(`viewer.html?${++opened}#${camera}`); // adds nothing to the browser's history
+      // Unlike `src`, it adds nothing to the browser's history.
+      this.frame.contentWindow.location.replace(`viewer.html?${++opened}#${camera}`);
     });
   }
 }

@@ -8,14 +8,25 @@ const growing = { voxels: 0 };
 
 // Adds bricks, 76 bytes each. Returns the milliseconds that it took.
 function grow(bricks, voxels) {
-  const started = performance.now(), { set } = view.shape ?? view, ints = new DataView(bricks.buffer, bricks.byteOffset, bricks.length);
+  const started = performance.now(),
+    { set } = view.shape ?? view,
+    ints = new DataView(bricks.buffer, bricks.byteOffset, bricks.length);
   growing.voxels ||= set.count();
   for (let at = 0; at < bricks.length; at += 76) {
     const rows = bricks.subarray(at + 12, at + 76);
-    set.addBrick([0, 4, 8].map((n) => 8 * ints.getInt32(at + n, true)), rows, growing.voxels);
+    set.addBrick(
+      [0, 4, 8].map((n) => 8 * ints.getInt32(at + n, true)),
+      rows,
+      growing.voxels,
+    );
     for (const row of rows) growing.voxels += BITS[row];
   }
-  for (const [id, count] of [["voxels", growing.voxels], ["bricks", set.bricks.size], ["shown", growing.voxels]]) fill(byId(id), count);
+  for (const [id, count] of [
+    ["voxels", growing.voxels],
+    ["bricks", set.bricks.size],
+    ["shown", growing.voxels],
+  ])
+    fill(byId(id), count);
   if (view instanceof View) {
     view.shape.cloud?.dispose();
     view.shape.surface?.dispose();
@@ -29,5 +40,6 @@ function grow(bricks, voxels) {
 function camera() {
   const { controls } = view ?? {};
   if (!controls) return "";
-  return `azimuth=${(controls.getAzimuthalAngle() * 180) / Math.PI}&elevation=${90 - (controls.getPolarAngle() * 180) / Math.PI}`;
+  const degrees = 180 / Math.PI;
+  return `azimuth=${degrees * controls.getAzimuthalAngle()}&elevation=${90 - degrees * controls.getPolarAngle()}`;
 }

@@ -13,7 +13,10 @@ export function download(name, parts, type) {
 
 // Returns the lines of a .csv: lattice coordinates, world positions, and fields, as `latvox -o a.csv` has them.
 export function csvOf(bricks, { origin, basis: [a, b, c] }, fields) {
-  const parts = [], columns = fields.map(({ name, bytes }) => (name === 'distance' ? new Float32Array(bytes.buffer) : new Uint32Array(bytes.buffer)));
+  const parts = [],
+    columns = fields.map(({ name, bytes }) =>
+      name === 'distance' ? new Float32Array(bytes.buffer) : new Uint32Array(bytes.buffer),
+    );
   let lines = [['i,j,k,x,y,z', ...fields.map(({ name }) => name)].join()];
   forEachVoxel(bricks, (i, j, k, number) => {
     const at = [0, 1, 2].map((m) => origin[m] + i * a[m] + j * b[m] + k * c[m]);

@@ -20,7 +20,8 @@ export function base64Of(bytes) {
 }
 
 export function bytesOf(base64 = '') {
-  const text = atob(base64), bytes = new Uint8Array(text.length);
+  const text = atob(base64),
+    bytes = new Uint8Array(text.length);
   for (let n = 0; n < text.length; ++n) bytes[n] = text.charCodeAt(n);
   return bytes;
 }
@@ -32,7 +33,8 @@ export class Service {
   }
 
   async post(method, type, body, signal) {
-    const token = this.token(), headers = { 'content-type': type, 'connect-protocol-version': '1' };
+    const token = this.token(),
+      headers = { 'content-type': type, 'connect-protocol-version': '1' };
     if (token !== '') headers.authorization = `Bearer ${token}`;
     try {
       return await fetch(PATH + method, { method: 'POST', headers, body, signal });
@@ -51,7 +53,8 @@ export class Service {
 
   // Yields the messages of a stream. Each has five bytes before it: flags and length.
   async *stream(method, request, signal) {
-    const text = new TextEncoder().encode(JSON.stringify(request)), body = new Uint8Array(5 + text.length);
+    const text = new TextEncoder().encode(JSON.stringify(request)),
+      body = new Uint8Array(5 + text.length);
     new DataView(body.buffer).setUint32(1, text.length);
     body.set(text, 5);
     const answer = await this.post(method, 'application/connect+json', body, signal);
@@ -66,12 +69,15 @@ export class Service {
 
   // Stores a mesh, from where an earlier upload ended.
   async upload(spec, bytes, signal, progress) {
-    let offset = 0, piece = new Uint8Array();
+    let offset = 0,
+      piece = new Uint8Array();
     for (;;) {
-      const answer = await this.unary('UploadMesh', { spec, offset, meshPiece: base64Of(piece) }, signal).catch((error) => {
-        if (error.reason !== 'WRONG_OFFSET') throw error;
-        return { nextOffset: error.limit };
-      });
+      const answer = await this.unary('UploadMesh', { spec, offset, meshPiece: base64Of(piece) }, signal).catch(
+        (error) => {
+          if (error.reason !== 'WRONG_OFFSET') throw error;
+          return { nextOffset: error.limit };
+        },
+      );
       if (answer.stored) return;
       offset = Number(answer.nextOffset ?? 0);
       piece = bytes.subarray(offset, offset + PIECE);
@@ -81,7 +87,8 @@ export class Service {
 }
 
 async function* envelopes(reader) {
-  let have = new Uint8Array(), end = 0;
+  let have = new Uint8Array(),
+    end = 0;
   const text = new TextDecoder();
   for (;;) {
     const length = end < 5 ? 0 : new DataView(have.buffer, have.byteOffset).getUint32(1);
