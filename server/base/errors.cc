@@ -19,11 +19,12 @@ constexpr char kRetryInfoUrl[] = "type.googleapis.com/google.rpc.RetryInfo";
 // The limits of GetLimits, by the fields that they bound.
 absl::string_view LimitNameOf(absl::string_view field) {
   static constexpr std::pair<absl::string_view, absl::string_view> kNames[] = {
-      {"mesh_bytes", "max_mesh_bytes"},   {"mesh.triangles", "max_triangles"},
-      {"mesh.vertices", "max_vertices"},  {"visited_points", "max_visited_points"},
-      {"job_seconds", "max_job_seconds"}, {"message_bytes", "max_message_bytes"},
-      {"memory", "memory_budget_bytes"},  {"points", "max_points"},
-      {"crossings", "max_crossings"},     {"pixels", "max_pixels"}};
+      {"mesh_bytes", "max_mesh_bytes"},     {"mesh.triangles", "max_triangles"},
+      {"mesh.vertices", "max_vertices"},    {"visited_points", "max_visited_points"},
+      {"job_seconds", "max_job_seconds"},   {"message_bytes", "max_message_bytes"},
+      {"memory", "memory_budget_bytes"},    {"points", "max_points"},
+      {"crossings", "max_crossings"},       {"pixels", "max_pixels"},
+      {"answer_bytes", "max_message_bytes"}};
   for (const auto& [name, limit] : kNames) {
     if (name == field) return limit;
   }

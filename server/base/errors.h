@@ -27,9 +27,9 @@ inline constexpr char kMeshNotFound[] = "MESH_NOT_FOUND";
 
 // The reasons in the contract's table. An error without a reason has its code as the reason.
 inline constexpr absl::string_view kReasons[] = {
-    "BAD_SPEC",        "BAD_MESH",       "BAD_STREAM",     "LIMIT_EXCEEDED", "MEMORY_IN_USE",
-    "OUT_OF_MEMORY",   "DECODER_TIME",   "DECODER_KILLED", "TOO_MANY_JOBS",  "TOO_MANY_JOBS_OF_CLIENT",
-    "SERVER_STOPPING", "CLIENT_STALLED", kMeshNotFound,    "UNAUTHENTICATED"};
+    "BAD_SPEC",     "BAD_MESH",        "BAD_STREAM",    "LIMIT_EXCEEDED",          "MEMORY_IN_USE",   "OUT_OF_MEMORY",
+    "DECODER_TIME", "DECODER_KILLED",  "TOO_MANY_JOBS", "TOO_MANY_JOBS_OF_CLIENT", "SERVER_STOPPING", "CLIENT_STALLED",
+    kMeshNotFound,  "UNAUTHENTICATED", "WRONG_OFFSET",  "TOO_MANY_UPLOADS"};
 
 // The trailer that tells gRPC's built-in retries how many milliseconds to wait.
 inline constexpr char kPushbackTrailer[] = "grpc-retry-pushback-ms";

@@ -116,17 +116,17 @@ class CallState : public LiveCall, public std::enable_shared_from_this<CallState
   std::shared_ptr<CallState> self_;
 };
 
-// A call as one of gRPC's server reactors.
-template <class Reactor>
-class CallReactor : public Reactor, public CallState {
+// A call as one of gRPC's server reactors. `Base` is CallState, or a class derived from it.
+template <class Reactor, class Base = CallState>
+class CallReactor : public Reactor, public Base {
  public:
   using GrpcReactor = Reactor;
 
-  void OnCancel() final { End(CancellationOf(context_)); }
-  void OnDone() final { Done(); }
+  void OnCancel() final { this->End(CancellationOf(this->context_)); }
+  void OnDone() final { this->Done(); }
 
  protected:
-  using CallState::CallState;
+  using Base::Base;
 
  private:
   void FinishWith(const grpc::Status& status) final { this->Finish(status); }

@@ -17,25 +17,15 @@ PutMeshReactor::PutMeshReactor(grpc::CallbackServerContext& context, v1::PutMesh
 }
 
 absl::StatusOr<bool> PutMeshReactor::ReceiveSpec(const v1::PutMeshSpec& spec) {
-  const absl::StatusOr<MeshDigest> digest = MeshDigestFrom(spec.mesh_sha256());
-  if (!digest.ok()) return digest.status();
-  digest_ = *digest;
-  if (spec.mesh_bytes() == 0) return BadSpec("mesh_bytes 0 is below 1", "mesh_bytes", "0", "1");
-  const uint64_t limit = environment_.limits.max_mesh_bytes, capacity = environment_.meshes.capacity();
-  if (spec.mesh_bytes() > limit) return LimitExceeded("mesh_bytes", spec.mesh_bytes(), limit);
-  if (spec.mesh_bytes() > capacity) {
-    return LimitExceeded("mesh_bytes", spec.mesh_bytes(), capacity, "mesh_store_bytes");
-  }
-  if (spec.has_raw_mesh()) {
-    const absl::StatusOr<RawMeshLayout> layout = RawMeshFromProto(spec.raw_mesh(), environment_.limits);
-    if (!layout.ok()) return layout.status();
-    raw_mesh_.emplace(*layout);
-  }
+  const absl::StatusOr<MeshSpec> mesh = MeshSpecFromProto(spec, environment_.limits, environment_.meshes.capacity());
+  if (!mesh.ok()) return mesh.status();
+  digest_ = mesh->digest;
+  if (mesh->raw) raw_mesh_.emplace(*mesh->raw);
   if (environment_.meshes.Find(digest_)) {
     response_.set_already_stored(true);
     return false;
   }
-  upload_.emplace(spec.mesh_bytes(), limit);
+  upload_.emplace(mesh->bytes, environment_.limits.max_mesh_bytes);
   return true;
 }
 
@@ -59,11 +49,7 @@ void PutMeshReactor::Work() {
 
 absl::Status PutMeshReactor::Store() {
   const absl::Cord mesh = (*std::exchange(upload_, std::nullopt)).Release();
-  const std::optional<MeshDigest> digest = DigestOf(mesh, stop_.Signal());
-  if (!digest) return absl::CancelledError("the request was cancelled");
-  if (*digest != digest_) return WrongMeshDigest();
-  environment_.meshes.Put(digest_, mesh);
-  return absl::OkStatus();
+  return environment_.meshes.PutIfItHas(digest_, mesh, stop_.Signal()).status();
 }
 
 void PutMeshReactor::Describe(RequestRecord& record) const {

@@ -13,13 +13,23 @@
 #include "server/calls/pixelize_reactor.h"
 #include "server/calls/put_mesh_reactor.h"
 #include "server/calls/request_log.h"
+#include "server/calls/upload_mesh_reactor.h"
 #include "server/calls/voxelize_reactor.h"
+#include "server/calls/voxelize_small_reactor.h"
 #include "server/wire/convert.h"
 
 namespace latvox {
 namespace {
 
 constexpr char kTraceparent[] = "traceparent";
+
+// gRPC keeps a call's only request, which is its own and not constant, until the client has taken the answer.
+template <class Request>
+Request& WithoutUnknownFields(const Request& request) {
+  auto& own = const_cast<Request&>(request);
+  DropUnknownFields(own);
+  return own;
+}
 
 }  // namespace
 
@@ -81,18 +91,33 @@ grpc::ServerReadReactor<v1::PutMeshRequest>* VoxelizerService::PutMesh(grpc::Cal
   return Answer<PutMeshReactor>("PutMesh", *context, *response);
 }
 
+grpc::ServerUnaryReactor* VoxelizerService::UploadMesh(grpc::CallbackServerContext* context,
+                                                       const v1::UploadMeshRequest* request,
+                                                       v1::UploadMeshResponse* response) {
+  return Answer<UploadMeshReactor>("UploadMesh", *context, WithoutUnknownFields(*request), *response);
+}
+
+grpc::ServerWriteReactor<v1::VoxelizeResponse>* VoxelizerService::VoxelizeStored(
+    grpc::CallbackServerContext* context, const v1::VoxelizeStoredRequest* request) {
+  return Answer<VoxelizeStoredReactor>("VoxelizeStored", *context, WithoutUnknownFields(*request));
+}
+
+grpc::ServerUnaryReactor* VoxelizerService::VoxelizeSmall(grpc::CallbackServerContext* context,
+                                                          const v1::VoxelizeSmallRequest* request,
+                                                          v1::VoxelizeSmallResponse* response) {
+  return Answer<VoxelizeSmallReactor>("VoxelizeSmall", *context, WithoutUnknownFields(*request), *response);
+}
+
 grpc::ServerUnaryReactor* VoxelizerService::Pixelize(grpc::CallbackServerContext* context,
                                                      const v1::PixelizeRequest* request,
                                                      v1::PixelizeResponse* response) {
-  DropUnknownFields(const_cast<v1::PixelizeRequest&>(*request));  // as in GetLimits: it waits for its turn with them
-  return Answer<PixelizeReactor>("Pixelize", *context, *request, *response);
+  return Answer<PixelizeReactor>("Pixelize", *context, WithoutUnknownFields(*request), *response);
 }
 
 grpc::ServerUnaryReactor* VoxelizerService::GetLimits(grpc::CallbackServerContext* context,
                                                       const v1::GetLimitsRequest* request,
                                                       v1::GetLimitsResponse* response) {
-  // gRPC keeps the request, which is its own and not constant, until the client has taken the answer.
-  DropUnknownFields(const_cast<v1::GetLimitsRequest&>(*request));
+  WithoutUnknownFields(*request);
   CallOrigin origin = OriginOf("GetLimits", *context);
   const grpc::Status status = Admit(*context, origin);
   if (status.ok()) {

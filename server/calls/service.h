@@ -21,6 +21,12 @@ class VoxelizerService final : public v1::Voxelizer::CallbackService {
       grpc::CallbackServerContext* context) override;
   grpc::ServerReadReactor<v1::PutMeshRequest>* PutMesh(grpc::CallbackServerContext* context,
                                                        v1::PutMeshResponse* response) override;
+  grpc::ServerUnaryReactor* UploadMesh(grpc::CallbackServerContext* context, const v1::UploadMeshRequest* request,
+                                       v1::UploadMeshResponse* response) override;
+  grpc::ServerWriteReactor<v1::VoxelizeResponse>* VoxelizeStored(grpc::CallbackServerContext* context,
+                                                                 const v1::VoxelizeStoredRequest* request) override;
+  grpc::ServerUnaryReactor* VoxelizeSmall(grpc::CallbackServerContext* context, const v1::VoxelizeSmallRequest* request,
+                                          v1::VoxelizeSmallResponse* response) override;
   grpc::ServerUnaryReactor* Pixelize(grpc::CallbackServerContext* context, const v1::PixelizeRequest* request,
                                      v1::PixelizeResponse* response) override;
   grpc::ServerUnaryReactor* GetLimits(grpc::CallbackServerContext* context, const v1::GetLimitsRequest* request,

@@ -3,7 +3,6 @@
 #define LATVOX_SERVER_CALLS_UPLOAD_CALL_H_
 
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <utility>
 
@@ -11,54 +10,43 @@
 #include "absl/status/statusor.h"
 #include "server/base/errors.h"
 #include "server/base/milliseconds.h"
-#include "server/calls/call_state.h"
-#include "server/work/mesh_upload.h"
+#include "server/calls/mesh_call.h"
 
 namespace latvox {
 
 //   Reactor   gRPC's, with StartRead
 //   Request   its message, with `spec` and `mesh_piece`
-template <class Reactor, class Request>
-class UploadCall : public CallReactor<Reactor> {
+//   Base      MeshCall, or a class derived from it
+template <class Reactor, class Request, class Base = MeshCall>
+class UploadCall : public CallReactor<Reactor, Base> {
  public:
   void OnReadDone(bool ok) final {
     if (!ok) return FinishReading();
     const absl::StatusOr<bool> more = ReceiveRequest();
-    if (!more.ok() || !*more) return End(more.status());
+    if (!more.ok() || !*more) return this->End(more.status());
     const std::lock_guard lock(mu_);
     NoteProgress();
     if (!HasEnded()) Read();
   }
 
  protected:
-  using CallReactor<Reactor>::CallReactor;
-  using CallState::context_, CallState::environment_, CallState::End, CallState::heard_of_client_, CallState::mu_;
+  using CallReactor<Reactor, Base>::CallReactor;
+  using CallState::context_, CallState::environment_, CallState::heard_of_client_, CallState::mu_;
+  using MeshCall::upload_, MeshCall::bytes_in_;
 
   // Sets upload_. Returns whether more is to be read; otherwise the call ends, as a success.
   virtual absl::StatusOr<bool> ReceiveSpec(const decltype(std::declval<Request>().spec())& spec) = 0;
   // Appends to upload_, counts bytes_in_, and reserves memory.
   virtual absl::Status ReceivePiece(std::string&& piece) = 0;
-  // Returns an error unless enough bytes have come. Precondition: the specification has come.
-  virtual absl::Status CheckUpload() const { return upload_->CheckComplete(); }
   // Called under mu_. Returns whether a status is decided.
   virtual bool HasEnded() const = 0;
 
   void Start() final { Read(); }
-  bool IsReading() const final { return reading_; }
 
   void Describe(RequestRecord& record) const override {
     if (sent_too_little_ && context_.IsCancelled()) record.status = BrokenRead(environment_.limits);
-    record.bytes_in = bytes_in_;
-    record.upload_ms = upload_ms_;
+    Base::Describe(record);
   }
-
-  // The time when the call was ready for its first turn.
-  CallState::Clock::time_point ready() const { return ready_; }
-
-  // Used by the reading callback, then by the task.
-  Request request_;
-  std::optional<MeshUpload> upload_;
-  uint64_t bytes_in_ = 0, heard_bytes_ = 0;  // the latter at heard_of_client_
 
  private:
   // Under mu_. A trickle of bytes is no sign of life, because it would keep place and memory for ever.
@@ -96,28 +84,18 @@ class UploadCall : public CallReactor<Reactor> {
 
   // The client has half-closed, or the call is broken.
   void FinishReading() {
-    if (context_.IsCancelled()) return End(CancellationOf(context_));
-    if (!IsUnread(request_)) return End(UnreadableMessage(request_));
-    const absl::Status status = upload_ ? CheckUpload() : BadStream("the stream ended before spec");
-    if (!status.ok()) {
-      sent_too_little_ = true;
-      return End(status);
-    }
-    {
-      const std::lock_guard lock(mu_);
-      reading_ = false;
-      upload_ms_ = upload_->milliseconds();
-      ready_ = CallState::Clock::now();
-    }
-    environment_.registry.AwaitTurn(this);
+    if (context_.IsCancelled()) return this->End(CancellationOf(context_));
+    if (!IsUnread(request_)) return this->End(UnreadableMessage(request_));
+    const absl::Status status = upload_ ? this->CheckUpload() : BadStream("the stream ended before spec");
+    if (status.ok()) return this->AwaitFirstTurn();
+    sent_too_little_ = true;
+    this->End(status);
   }
 
+  // Used by the reading callback.
+  Request request_;
+  uint64_t heard_bytes_ = 0;  // at heard_of_client_
   bool sent_too_little_ = false;
-  CallState::Clock::time_point ready_;  // set before AwaitTurn, whose lock shows it to Work
-
-  // Guarded by mu_.
-  bool reading_ = true;
-  std::optional<double> upload_ms_;
 };
 
 }  // namespace latvox

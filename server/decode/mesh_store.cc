@@ -27,10 +27,6 @@ std::optional<MeshDigest> DigestOf(const absl::Cord& bytes, StopSignal stop) {
   return digest;
 }
 
-absl::Status WrongMeshDigest() {
-  return BadSpec("mesh_sha256: the mesh that came has another digest", "mesh_sha256", "");
-}
-
 absl::StatusOr<MeshDigest> MeshDigestFrom(absl::string_view field) {
   MeshDigest digest;
   if (field.size() != digest.size()) {
@@ -55,6 +51,13 @@ bool MeshStore::Put(const MeshDigest& digest, const absl::Cord& mesh) {
   encoded_.Add(digest, mesh, mesh.size());
   DropWhatExceeds(dropped);
   return false;
+}
+
+absl::StatusOr<bool> MeshStore::PutIfItHas(const MeshDigest& digest, const absl::Cord& mesh, StopSignal stop) {
+  const std::optional<MeshDigest> found = DigestOf(mesh, stop);
+  if (!found) return absl::CancelledError("the request was cancelled");
+  if (*found != digest) return BadSpec("mesh_sha256: the mesh that came has another digest", "mesh_sha256", "");
+  return Put(digest, mesh);
 }
 
 std::shared_ptr<const DecodedMesh> MeshStore::FindDecoded(const MeshDigest& digest, const FieldList& attributes) {

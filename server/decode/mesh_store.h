@@ -16,6 +16,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/cord.h"
 #include "absl/strings/string_view.h"
+#include "core/base/stop_signal.h"
 #include "core/request/fields.h"
 #include "server/decode/mesh_decoder.h"
 
@@ -34,9 +35,6 @@ inline constexpr uint64_t kLargeMeshBytes = uint64_t{4} << 20;
 
 // Returns the digest in a message's bytes field. INVALID_ARGUMENT unless the field has 32 bytes.
 absl::StatusOr<MeshDigest> MeshDigestFrom(absl::string_view field);
-
-// Returns INVALID_ARGUMENT: the mesh has another digest than the request states.
-absl::Status WrongMeshDigest();
 
 // Values by digest, in the order of their last use. Not thread-safe.
 template <class Value>
@@ -104,6 +102,10 @@ class MeshStore {
   // Keeps `mesh` with the digest `digest`, and drops the least recently used meshes until all fit the capacity. Does
   // nothing if this mesh alone does not fit. Returns whether the store had it before.
   bool Put(const MeshDigest& digest, const absl::Cord& mesh);
+
+  // Does the same for a mesh that is expected to have the digest. Errors: INVALID_ARGUMENT if it has another one;
+  // CANCELLED soon after `stop` is stopped.
+  absl::StatusOr<bool> PutIfItHas(const MeshDigest& digest, const absl::Cord& mesh, StopSignal stop);
 
   // Returns the decoded mesh with these attributes, if the store keeps it; else nullptr. Counts as a use.
   std::shared_ptr<const DecodedMesh> FindDecoded(const MeshDigest& digest, const FieldList& attributes);

@@ -32,6 +32,7 @@
 #include "server/listen/health_server.h"
 #include "server/listen/metrics_server.h"
 #include "server/work/memory_budget.h"
+#include "server/work/unfinished_uploads.h"
 #include "server/work/work_lanes.h"
 #include "server/work/work_queue.h"
 
@@ -135,9 +136,10 @@ class Server final : public VoxelServer {
         decoders_(std::move(decoders)),
         meshes_(options_.limits.mesh_store_bytes, !options_.decode_always),
         memory_(options_.limits.memory_budget_bytes),
+        uploads_(memory_, options_.limits.mesh_store_bytes),
         registry_({options_.limits.max_jobs, options_.limits.max_queued_jobs, options_.limits.max_jobs_per_client}),
         access_(options_.access),
-        service_({options_.limits, *decoders_, meshes_, memory_, quick_, bulk_, registry_, metrics_},
+        service_({options_.limits, *decoders_, meshes_, uploads_, memory_, quick_, bulk_, registry_, metrics_},
                  access_.authenticator()) {
     AddMetrics();
   }
@@ -179,6 +181,7 @@ class Server final : public VoxelServer {
   const std::unique_ptr<DecoderPool> decoders_;
   MeshStore meshes_;
   MemoryBudget memory_;
+  UnfinishedUploads uploads_;
   CallRegistry registry_;
   Access access_;
   Metrics metrics_;
@@ -210,6 +213,8 @@ void Server::AddMetrics() {
   add("latvox_memory_limit_bytes", "Memory that the process stays below.", [this] { return options_.memory_bytes; });
   add("latvox_memory_budget_bytes", "Memory that jobs may reserve, of that.", [this] { return memory_.total(); });
   add("latvox_memory_reserved_bytes", "Memory that jobs have reserved.", [this] { return memory_.reserved(); });
+  add("latvox_unfinished_upload_bytes", "Meshes of which UploadMesh has brought only a part.",
+      [this] { return uploads_.bytes(); });
   add("latvox_mesh_store_bytes", "Meshes that are kept, encoded and decoded.", [this] { return meshes_.bytes(); });
   add("latvox_decoder_processes", "Processes that decode meshes.", [this] { return decoders_->facts().processes; });
   add("latvox_decoder_memory_bytes", "Memory that decoder processes hold, beyond that of this process.",
@@ -342,10 +347,13 @@ void Server::Watch() {
   }
 }
 
-// Clients that do not take their answers keep memory from others no longer than the short patience.
+// Clients that do not take their answers, or do not go on with an upload, keep memory from others no longer than the
+// short patience.
 void Server::EndStalled() {
   constexpr absl::Duration kShortPatience = absl::Seconds(2);
-  registry_.EndStalled(memory_.WasShort() ? std::min(kShortPatience, options_.stall_timeout) : options_.stall_timeout);
+  const bool is_short = memory_.WasShort();
+  registry_.EndStalled(is_short ? std::min(kShortPatience, options_.stall_timeout) : options_.stall_timeout);
+  uploads_.DropIdle(is_short ? UnfinishedUploads::kShortPatience : UnfinishedUploads::kPatience);
 }
 
 void Server::StopWatch() {

@@ -186,6 +186,23 @@ absl::StatusOr<RawMeshLayout> RawMeshFromProto(const v1::RawMesh& raw, const Lim
   return layout;
 }
 
+absl::StatusOr<MeshSpec> MeshSpecFromProto(const v1::PutMeshSpec& spec, const Limits& limits, uint64_t store_capacity) {
+  const absl::StatusOr<MeshDigest> digest = MeshDigestFrom(spec.mesh_sha256());
+  if (!digest.ok()) return digest.status();
+  MeshSpec mesh{*digest, spec.mesh_bytes()};
+  if (mesh.bytes == 0) return BadSpec("mesh_bytes 0 is below 1", "mesh_bytes", "0", "1");
+  if (mesh.bytes > limits.max_mesh_bytes) return LimitExceeded("mesh_bytes", mesh.bytes, limits.max_mesh_bytes);
+  if (mesh.bytes > store_capacity) {
+    return LimitExceeded("mesh_bytes", mesh.bytes, store_capacity, "mesh_store_bytes");
+  }
+  if (spec.has_raw_mesh()) {
+    const absl::StatusOr<RawMeshLayout> layout = RawMeshFromProto(spec.raw_mesh(), limits);
+    if (!layout.ok()) return layout.status();
+    mesh.raw = *layout;
+  }
+  return mesh;
+}
+
 absl::StatusOr<JobSpec> JobSpecFromProto(const v1::VoxelizeSpec& spec, const Limits& limits) {
   if (spec.mesh_bytes() > limits.max_mesh_bytes) {
     return LimitExceeded("mesh_bytes", spec.mesh_bytes(), limits.max_mesh_bytes);

@@ -30,9 +30,19 @@ struct JobSpec {
   std::optional<RawMeshLayout> raw_mesh = std::nullopt;  // absent: the mesh is Draco-encoded
 };
 
-// Both have these errors, all with an ErrorCause: INVALID_ARGUMENT for a number outside its enumeration, for a missing
+// A mesh that is to be stored.
+struct MeshSpec {
+  MeshDigest digest = {};
+  uint64_t bytes = 0;
+  std::optional<RawMeshLayout> raw = std::nullopt;  // absent: the mesh is Draco-encoded
+
+  bool operator==(const MeshSpec&) const = default;
+};
+
+// All have these errors, all with an ErrorCause: INVALID_ARGUMENT for a number outside its enumeration, for a missing
 // part, and for every error of MakeRequest and MakeGridRequest; RESOURCE_EXHAUSTED for a mesh over its limits.
 absl::StatusOr<RawMeshLayout> RawMeshFromProto(const v1::RawMesh& raw, const Limits& limits);
+absl::StatusOr<MeshSpec> MeshSpecFromProto(const v1::PutMeshSpec& spec, const Limits& limits, uint64_t store_capacity);
 absl::StatusOr<JobSpec> JobSpecFromProto(const v1::VoxelizeSpec& spec, const Limits& limits);
 
 }  // namespace latvox

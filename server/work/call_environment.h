@@ -15,12 +15,14 @@ class MemoryBudget;
 class MeshDecoder;
 class MeshStore;
 class Metrics;
+class UnfinishedUploads;
 
 // The limits and the client are the caller's. The referenced objects must outlive the calls.
 struct CallEnvironment {
   Limits limits;
   MeshDecoder& decoder;
   MeshStore& meshes;
+  UnfinishedUploads& uploads;
   MemoryBudget& memory;
   WorkQueue& quick;  // for work of some milliseconds
   WorkLanes& bulk;   // for longer work

@@ -106,11 +106,9 @@ absl::Status Computation::ReceiveMesh(MeshUpload upload) {
       return BadSpec(absl::StrCat("mesh_bytes ", spec_.mesh_bytes, " was declared, but the mesh has ", mesh_bytes_),
                      "mesh_bytes", absl::StrCat(spec_.mesh_bytes), absl::StrCat(mesh_bytes_));
     }
-    const std::optional<MeshDigest> digest = DigestOf(mesh_, stop_.Signal());
-    if (!digest) return CheckCancelled();
-    if (*digest != *spec_.mesh_digest) return WrongMeshDigest();
-    mesh_comes_again_ = environment_.meshes.Put(*spec_.mesh_digest, mesh_);
-    return absl::OkStatus();
+    const auto was_stored = environment_.meshes.PutIfItHas(*spec_.mesh_digest, mesh_, stop_.Signal());
+    mesh_comes_again_ = was_stored.ok() && *was_stored;
+    return was_stored.status();
   });
 }
 

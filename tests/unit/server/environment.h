@@ -10,6 +10,7 @@
 #include "server/decode/mesh_store.h"
 #include "server/work/call_environment.h"
 #include "server/work/memory_budget.h"
+#include "server/work/unfinished_uploads.h"
 #include "server/work/work_lanes.h"
 #include "server/work/work_queue.h"
 
@@ -19,12 +20,13 @@ struct TestEnvironment {
   explicit TestEnvironment(MeshDecoder& mesh_decoder, const Limits& all_limits = {})
       : limits(all_limits), decoder(mesh_decoder) {}
 
-  CallEnvironment shared() { return {limits, decoder, meshes, memory, quick, bulk, registry, metrics}; }
+  CallEnvironment shared() { return {limits, decoder, meshes, uploads, memory, quick, bulk, registry, metrics}; }
 
   const Limits limits;
   MeshDecoder& decoder;
   MeshStore meshes{limits.mesh_store_bytes};
   MemoryBudget memory{limits.memory_budget_bytes};
+  UnfinishedUploads uploads{memory, limits.mesh_store_bytes};
   WorkQueue quick{1, 0};
   WorkLanes bulk{1, 10};
   Authenticator everybody{""};
