@@ -7,7 +7,7 @@ import path from 'node:path';
 import { brokenReferences, needlessRights } from './references.js';
 import { typeErrors } from './types.js';
 
-export const SECRETS = { 'latvox-tls': ['tls.crt', 'tls.key'], 'latvox-tokens': ['tokens'] };
+export const SECRETS = { 'latvox-tls': ['tls.crt', 'tls.key'], 'latvox-tokens': ['tokens'], 'latvox-gateway-tls': ['tls.crt', 'tls.key'] };
 
 export function check(objects) {
   assert.deepEqual(typeErrors(objects), []);

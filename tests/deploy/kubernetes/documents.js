@@ -6,7 +6,7 @@ import { fileURLToPath } from 'node:url';
 import yaml from 'yaml';
 
 const ROOT = fileURLToPath(new URL('../../../deploy/kubernetes', import.meta.url));
-export const OVERLAYS = ['service', 'batch'];
+export const OVERLAYS = ['service', 'batch', 'gateway'];
 
 const parse = (text) => yaml.parseAllDocuments(text, { strict: true }).map((document) => {
   if (document.errors.length > 0) throw document.errors[0];

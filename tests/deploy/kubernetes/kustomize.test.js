@@ -1,4 +1,4 @@
-// Checks the output of kustomize for deploy/kubernetes, and the Secrets of deploy/docs/kubernetes.md. Exits with 77,
+// Checks the output of kustomize for deploy/kubernetes, and the Secrets of deploy/docs. Exits with 77,
 // ctest's "skipped", without kustomize or kubectl.
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
@@ -28,8 +28,8 @@ test('batch: workers count as many workers as there are', () => {
   assert.equal(value, String(spec.completions));
 });
 
-test('the Secrets are as deploy/docs/kubernetes.md makes them', () => withFiles((run) => {
-  const page = readFileSync(new URL('../../../deploy/docs/kubernetes.md', import.meta.url), 'utf8');
+test('the Secrets are as deploy/docs make them', () => withFiles((run) => {
+  const page = ['kubernetes', 'gateway'].map((name) => readFileSync(new URL(`../../../deploy/docs/${name}.md`, import.meta.url), 'utf8')).join('');
   const made = page.match(/^kubectl .*create secret .*$/gm)
     .map((line) => JSON.parse(run('bash', '-c', `${line} --dry-run=client --output=json`)));
   assert.deepEqual(Object.fromEntries(made.map(({ metadata, data }) => [metadata.name, Object.keys(data).sort()])), SECRETS);

@@ -4,6 +4,7 @@ import assert from 'node:assert/strict';
 import { writeFileSync } from 'node:fs';
 import path from 'node:path';
 import { test } from 'node:test';
+import { readOptions } from '../../../deploy/gateway/options.js';
 import { check, SECRETS, withFiles } from './check.js';
 import { lone, OVERLAYS, written } from './documents.js';
 import { brokenReferences, needlessRights } from './references.js';
@@ -25,6 +26,8 @@ test('each overlay has all of its objects', () => {
     'NetworkPolicy/latvoxd', 'PodDisruptionBudget/latvox', 'Service/latvox', 'ServiceMonitor/latvox'].sort());
   assert.deepEqual(names(load('batch')), [...base, 'Job/latvox-batch', 'PersistentVolumeClaim/latvox-meshes',
     'PersistentVolumeClaim/latvox-results'].sort());
+  assert.deepEqual(names(load('gateway')), [...base, 'Deployment/latvox-gateway', 'NetworkPolicy/latvox-gateway',
+    'PodDisruptionBudget/latvox-gateway', 'Service/latvox-gateway'].sort());
 });
 
 test('batch: a worker is tried again by itself, but not for what stays wrong, and its pod asks for what it takes', () => {
@@ -88,6 +91,16 @@ test('service: haproxy takes its configuration, serves its port, finds its files
     writeFileSync(path.join(directory, 'haproxy.cfg'), text.replace(file, path.join(directory, 'server.pem')));
     run('haproxy', '-c', '-f', 'haproxy.cfg');
   });
+});
+
+test('gateway: it takes its options, and calls the pods of the overlay service by a name that their certificate has', () => {
+  const deployment = find(load('gateway'), 'Deployment'), { terminationGracePeriodSeconds, containers: [container] } = deployment.spec.template.spec;
+  const words = container.command.slice(1).map((word) => (word.startsWith('/run/') ? 'certificate.pem' : word));
+  const { listen, upstream, grace } = readOptions(words, {});
+  assert.equal(listen.port, container.ports[0].containerPort);
+  const service = find(load('service'), 'Service');
+  assert.deepEqual(upstream, [{ host: `${service.metadata.name}.latvox.svc`, port: service.spec.ports[0].port }]);
+  assert.ok(terminationGracePeriodSeconds >= grace + container.lifecycle.preStop.sleep.seconds);
 });
 
 // The tests find mistakes that are put into the manifests.

@@ -59,7 +59,7 @@ function brokenPaths(template, objects, secrets) {
 function brokenProbes({ name, pod }) {
   return pod.containers.flatMap(({ ports = [], startupProbe, readinessProbe, livenessProbe }) =>
     [startupProbe, readinessProbe, livenessProbe].filter(Boolean)
-      .map(({ grpc, tcpSocket }) => (grpc ?? tcpSocket).port)
+      .map(({ grpc, tcpSocket, httpGet }) => (grpc ?? tcpSocket ?? httpGet).port)
       .filter((port) => !ports.some(({ containerPort }) => containerPort === port))
       .map((port) => `${name}: a probe asks port ${port}, which no container has`));
 }

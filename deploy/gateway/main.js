@@ -1,0 +1,60 @@
+#!/usr/bin/env node
+// The gateway; see README.md.
+import { readFileSync } from 'node:fs';
+import { fileURLToPath } from 'node:url';
+import { Gateway } from './gateway.js';
+import { Log } from './log.js';
+import { help, readOptions } from './options.js';
+import { Pages } from './pages.js';
+import { Protocol } from './refusals.js';
+import { Upstreams } from './upstreams.js';
+
+const USAGE = 2;
+
+function die(message) {
+  process.stderr.write(`latvox-gateway: ${message}\n`);
+  process.exit(USAGE);
+}
+
+function parts() {
+  const options = readOptions(process.argv.slice(2), process.env);
+  if (options.help) {
+    process.stdout.write(help());
+    process.exit(0);
+  }
+  const file = options.protocol ?? fileURLToPath(new URL('protocol.binpb', import.meta.url));
+  const log = new Log(options['log-level'], options['log-format']);
+  return {
+    options,
+    log,
+    protocol: new Protocol(readFileSync(file)),
+    upstreams: new Upstreams(options, log),
+    pages: new Pages(),
+  };
+}
+
+let gateway;
+try {
+  gateway = new Gateway(parts());
+  const { address, port } = await gateway.listen();
+  gateway.log.write('info', 'listening', {
+    address: address.includes(':') ? `[${address}]:${port}` : `${address}:${port}`,
+  });
+} catch (error) {
+  die(error.message);
+}
+
+let stopping = false;
+async function stop(signal) {
+  if (stopping) return;
+  stopping = true;
+  gateway.log.write('info', 'stopping', {
+    reason: signal,
+    calls: gateway.calls.running.size,
+    grace: `${gateway.options.grace}s`,
+  });
+  const cut = await gateway.stop();
+  gateway.log.write('info', 'stopped', { calls_cut: cut });
+  process.exit(0);
+}
+for (const signal of ['SIGTERM', 'SIGINT']) process.on(signal, () => stop(signal));

@@ -1,0 +1,241 @@
+"""The gateway's page in Chromium: a mesh is dropped, its voxels are those of the tool, and a link repeats the request.
+Screenshots are in gateway-page of the build directory."""
+
+import base64
+import json
+import os
+import pathlib
+import struct
+import sys
+import tempfile
+import time
+import unittest
+
+from gateway import ROOT, gateway
+
+sys.path.insert(0, str(ROOT / "tests" / "e2e"))
+
+import harness  # noqa: E402
+from browser import Browser, Tab, decode  # noqa: E402
+from harness import PATIENCE, Case, octahedron, write_obj  # noqa: E402
+
+PICTURES = pathlib.Path(os.environ["LATVOX_BUILD_DIR"]) / "gateway-page"
+ONLY_HERE = "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1"
+
+
+def stl(mesh):
+    """Returns a binary STL file."""
+    vertices, triangles = mesh
+    corners = [struct.pack("<12fH", 0, 0, 0, *(x for v in t for x in vertices[v]), 0) for t in triangles]
+    return bytes(80) + struct.pack("<I", len(triangles)) + b"".join(corners)
+
+
+def glb(mesh):
+    """Returns a .glb whose node moves the mesh by 5 along x."""
+    vertices, triangles = mesh
+    points, corners = b"".join(struct.pack("<3f", *v) for v in vertices), b"".join(
+        struct.pack("<3H", *t) for t in triangles
+    )
+    about = {
+        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0, "translation": [5, 0, 0]}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+        "buffers": [{"byteLength": len(points + corners)}],
+        "bufferViews": [{"buffer": 0, "byteLength": len(points)},
+                        {"buffer": 0, "byteOffset": len(points), "byteLength": len(corners)}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": len(vertices), "type": "VEC3",
+                       "min": [-7] * 3, "max": [7] * 3},
+                      {"bufferView": 1, "componentType": 5123, "count": 3 * len(triangles), "type": "SCALAR"}],
+    }  # fmt: skip
+    text = json.dumps(about).encode()
+    text += b" " * (-len(text) % 4)
+    chunks = (
+        struct.pack("<I4s", len(text), b"JSON")
+        + text
+        + struct.pack("<I4s", len(points + corners), b"BIN\0")
+        + points
+        + corners
+    )
+    return b"glTF" + struct.pack("<II", 2, 12 + len(chunks)) + chunks
+
+
+class Page(Case):
+    """All tests share one server, one gateway and one browser."""
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        home, cls.place = (
+            pathlib.Path(cls.enterClassContext(tempfile.TemporaryDirectory(prefix="latvox-"))) for _ in range(2)
+        )
+        cls.server = cls.enterClassContext(harness.server(cls.place))
+        cls.gateway = cls.enterClassContext(gateway(cls.place, cls.server.address))
+        cls.browser = Browser(home, ONLY_HERE)
+        cls.addClassCleanup(cls.browser.close)
+        cls.mesh = octahedron(7.0)
+        PICTURES.mkdir(parents=True, exist_ok=True)
+
+    def assert_no_process_left(self):
+        """They end with the class."""
+
+    def tab(self, place="", width=1280, height=800, **device):
+        tab = Tab(self.browser, width, height, **device)
+        tab.open(f"{self.gateway.url}/{place}")
+        return tab
+
+    def drop(self, tab, name, data):
+        tab.run(
+            f"""{{
+          const bytes = Uint8Array.from(atob("{base64.b64encode(data).decode()}"), (c) => c.charCodeAt(0));
+          const dropped = new DataTransfer(), how = {{ dataTransfer: dropped, bubbles: true, cancelable: true }};
+          dropped.items.add(new File([bytes], "{name}"));
+          document.body.dispatchEvent(new DragEvent("drop", how));
+        }}"""
+        )
+        tab.rest()
+
+    def shown(self, tab):
+        """Returns the rows of the page's table."""
+        self.assertTrue(
+            tab.run("document.getElementById('error').hidden"), tab.run("document.getElementById('error').innerText")
+        )
+        tab.run(
+            """new Promise((resolve) => {
+          const isBusy = () => document.getElementById('viewer').contentDocument.body.dataset.busy !== 'no';
+          const look = () => (isBusy() ? setTimeout(look, 20) : resolve());
+          look();
+        })"""
+        )
+        self.assertEqual(tab.complaints(), [])
+        return dict(
+            tab.run(
+                "[...document.querySelectorAll('#summary tr')].map(({ cells }) => [...cells].map((td) => td.innerText))"
+            )
+        )
+
+    def picture(self, tab, name):
+        png = tab.png()
+        (PICTURES / f"{name}.png").write_bytes(png)
+        return decode(png)
+
+    def direct(self, path, *options):
+        return self.voxelize(path, *options, "--server", self.server.address, out="direct.csv")
+
+    def test_a_dropped_mesh_becomes_voxels_and_its_link_repeats_them(self):
+        direct = self.direct(
+            write_obj(self.dir / "a.obj", self.mesh), "--lattice", "bcc", "--resolution", 40, "--fields", "distance"
+        )
+        tab = self.tab("#lattice=bcc&resolution=40&fields=distance")
+        empty = self.picture(tab, "empty")
+        self.drop(tab, "a.stl", stl(self.mesh))
+        rows = self.shown(tab)
+        self.assertEqual((rows["digest"], rows["voxels"]), (direct["digest"], f"{direct['voxels']:,}"))
+        full = self.picture(tab, "desktop-light")
+        self.assertGreater((full[:, 300:1000] != empty[:, 300:1000]).any(axis=2).mean(), 0.1)
+        self.assert_csv(tab)
+        uploads = self.gateway.log().count("method=UploadMesh")
+        self.theme(tab, "dark")
+        self.picture(tab, "desktop-dark")
+        again = self.tab(tab.run("location.hash"), width=390, height=844, phone=True)
+        self.assertEqual(self.shown(again)["digest"], direct["digest"])
+        self.assertEqual(self.gateway.log().count("method=UploadMesh"), uploads, "a link uses the stored mesh")
+        self.assertLessEqual(again.run("document.documentElement.scrollWidth"), 390)
+        for theme in ("light", "dark"):
+            self.theme(again, theme)
+            self.picture(again, f"phone-{theme}")
+        again.run("document.getElementById('stage').scrollIntoView()")
+        self.picture(again, "phone-dark-viewer")
+
+    def theme(self, tab, name):
+        tab.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": name}])
+
+    def test_bricks_are_shown_while_they_arrive(self):
+        tab = self.tab("#resolution=500&set=supercover")
+        tab.run(
+            """{
+          window.told = [];
+          const [status, viewer] = ["status", "viewer"].map((id) => document.getElementById(id));
+          const look = () => told.push([status.innerText, !viewer.hidden]);
+          new MutationObserver(look).observe(status, { childList: true });
+        }"""
+        )
+        self.drop(tab, "a.stl", stl(self.mesh))
+        voxels = self.shown(tab)["voxels"]
+        partial = [
+            text.removesuffix(" voxels so far")
+            for text, viewer in tab.run("told")
+            if text.endswith(" so far") and viewer
+        ]
+        self.assertGreater(len(partial), 1, tab.run("told"))
+        self.assertNotEqual(partial[0], voxels)
+
+    def assert_csv(self, tab):
+        """Checks that the page's .csv has the lines of the tool's."""
+        self.browser.call("Browser.setDownloadBehavior", behavior="allow", downloadPath=str(self.dir))
+        tab.run("document.getElementById('csv').click()")
+        deadline = time.monotonic() + PATIENCE
+        while not (path := self.dir / "a.csv").exists() or path.stat().st_size < 100:
+            self.assertLess(time.monotonic(), deadline)
+            time.sleep(0.02)
+        read = [[line.split(",") for line in each.read_text().splitlines()] for each in (path, self.dir / "direct.csv")]
+        self.assertEqual(read[0][0], read[1][0])
+        numbers = [sorted([float(word) for word in line] for line in lines[1:]) for lines in read]
+        self.assertEqual(len(numbers[0]), len(numbers[1]))
+        for ours, tools in zip(*numbers):
+            self.assertEqual(ours[:3], tools[:3])
+            for one, other in zip(ours[3:], tools[3:]):
+                self.assertAlmostEqual(one, other, 6)
+
+    def test_keys_formats_cells_and_errors(self):
+        tab = self.tab("#resolution=30")
+        counts = tab.run(
+            """import('./cell.js').then(({ facetsOf }) => [
+          [[1, 0, 0], [0, 1, 0], [0, 0, 1]], [[2, 0, 0], [0, 2, 0], [1, 1, 1]], [[1, 1, 0], [1, 0, 1], [0, 1, 1]],
+          [[1, 0, 0], [0.5, Math.sqrt(3) / 2, 0], [0, 0, 1]],
+        ].map((basis) => facetsOf(basis).map(({ corners }) => corners.length).sort().join('')))"""
+        )
+        self.assertEqual(counts, ["4" * 6, "4" * 6 + "6" * 8, "4" * 12, "4" * 6 + "66"])
+        plain = self.direct(write_obj(self.dir / "a.obj", self.mesh), "--resolution", 30)["digest"]
+        for name, data in (
+            ("b.obj", (self.dir / "a.obj").read_bytes()),
+            ("c.glb", glb(self.mesh)),
+            ("d.ply", ply(self.mesh)),
+        ):
+            with self.subTest(name):
+                self.drop(tab, name, data)
+                self.assertEqual(self.shown(tab)["digest"], plain)
+        tab.run("document.forms[0].elements.k.value = 2")
+        for kind in ("keyDown", "keyUp"):
+            tab.call(
+                "Input.dispatchKeyEvent", type=kind, key="Enter", code="Enter", windowsVirtualKeyCode=13, modifiers=2
+            )
+        tab.rest()
+        self.assertEqual(
+            self.shown(tab)["digest"],
+            self.direct(self.dir / "a.obj", "--resolution", 30, "--separability", 2)["digest"],
+        )
+        self.drop(tab, "e.stl", b"no mesh")
+        self.assertFalse(tab.run("document.getElementById('error').hidden"))
+        self.drop(tab, "e.xyz", b"no mesh")
+        self.assertIn('"e.xyz" is not one of .stl, .obj', tab.run("document.getElementById('error').innerText"))
+        tab.complaints()
+        lost = self.tab(f"#resolution=30&name=lost.stl&mesh={'ab' * 32}&raw=3,1,float32")
+        self.assertEqual(
+            lost.run("document.getElementById('error').innerText"),
+            "The server no longer has lost.stl: drop the file once more.",
+        )
+
+
+def ply(mesh):
+    vertices, triangles = mesh
+    head = (
+        f"ply\nformat ascii 1.0\nelement vertex {len(vertices)}\nproperty float x\nproperty float y\nproperty float z\n"
+    )
+    head += f"element face {len(triangles)}\nproperty list uchar int vertex_indices\nend_header\n"
+    return (
+        head + "".join("%g %g %g\n" % v for v in vertices) + "".join("3 %d %d %d\n" % t for t in triangles)
+    ).encode()
+
+
+if __name__ == "__main__":
+    unittest.main()
