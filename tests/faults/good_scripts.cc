@@ -28,11 +28,8 @@ void AppendPieces(const std::string& drc, Chance& chance, Script& script) {
   }
 }
 
-Script Voxelize(const std::string& drc, Chance& chance) {
-  Script script;
-  script.method = Method("Voxelize");
-  v1::VoxelizeRequest request;
-  v1::VoxelizeSpec& spec = *request.mutable_spec();
+v1::VoxelizeSpec AnySpec(const std::string& drc, Chance& chance) {
+  v1::VoxelizeSpec spec;
   spec.mutable_lattice()->set_named(static_cast<v1::NamedLattice>(1 + chance.Below(v1::NamedLattice_MAX)));
   spec.set_resolution(static_cast<uint32_t>(16 + chance.Below(48)));
   spec.set_separability(static_cast<uint32_t>(chance.Below(3)));
@@ -45,6 +42,14 @@ Script Voxelize(const std::string& drc, Chance& chance) {
     for (auto set : {&v1::Ijk::set_i, &v1::Ijk::set_j, &v1::Ijk::set_k})
       (spec.mutable_region()->mutable_max()->*set)(20);
   }
+  return spec;
+}
+
+Script Voxelize(const std::string& drc, Chance& chance) {
+  Script script;
+  script.method = Method("Voxelize");
+  v1::VoxelizeRequest request;
+  *request.mutable_spec() = AnySpec(drc, chance);
   script.messages.push_back(request.SerializeAsString());
   AppendPieces<v1::VoxelizeRequest>(drc, chance, script);
   return script;
@@ -58,6 +63,33 @@ Script PutMesh(const std::string& drc, Chance& chance) {
   request.mutable_spec()->set_mesh_bytes(drc.size());
   script.messages.push_back(request.SerializeAsString());
   AppendPieces<v1::PutMeshRequest>(drc, chance, script);
+  return script;
+}
+
+// A call with one message from the client. The upload or the mesh that it goes on with may not be there.
+Script OneMessage(const std::string& drc, Chance& chance) {
+  Script script;
+  if (chance.OneIn(3)) {
+    script.method = Method("UploadMesh");
+    v1::UploadMeshRequest request;
+    request.mutable_spec()->set_mesh_sha256(Sha256(drc));
+    request.mutable_spec()->set_mesh_bytes(drc.size());
+    request.set_offset(chance.OneIn(2) ? 0 : chance.Below(drc.size()));
+    request.set_mesh_piece(drc.substr(request.offset(), 1 + chance.Below(drc.size())));
+    script.messages.push_back(request.SerializeAsString());
+  } else if (chance.OneIn(2)) {
+    script.method = Method("VoxelizeStored");
+    v1::VoxelizeStoredRequest request;
+    *request.mutable_spec() = AnySpec(drc, chance);
+    request.mutable_spec()->set_mesh_sha256(Sha256(drc));
+    script.messages.push_back(request.SerializeAsString());
+  } else {
+    script.method = Method("VoxelizeSmall");
+    v1::VoxelizeSmallRequest request;
+    *request.mutable_spec() = AnySpec(drc, chance);
+    request.set_mesh(drc);
+    script.messages.push_back(request.SerializeAsString());
+  }
   return script;
 }
 
@@ -93,8 +125,10 @@ Script GoodScript(const std::string& drc, Chance& chance) {
     case 1:
       return PutMesh(drc, chance);
     case 2:
-    case 3:
       return Pixelize(chance);
+    case 3:
+    case 4:
+      return OneMessage(drc, chance);
     default:
       return Voxelize(drc, chance);
   }

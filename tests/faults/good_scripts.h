@@ -9,8 +9,8 @@
 
 namespace latvox::faults {
 
-// Returns a correct request of any of the four calls, with the mesh in some pieces, small enough to take milliseconds.
-// Now and then it resumes after a tile that does not exist, which is INVALID_ARGUMENT.
+// Returns a correct request of any call, with the mesh in some pieces, small enough to take milliseconds.
+// Now and then it resumes after a tile that does not exist, or an upload at a later offset, which is INVALID_ARGUMENT.
 Script GoodScript(const std::string& drc, Chance& chance);
 
 }  // namespace latvox::faults

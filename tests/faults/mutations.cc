@@ -106,6 +106,9 @@ void MutateMessage(std::string& bytes, Chance& chance) {
 }
 
 void MutateMessageOf(const std::string& method, std::string& bytes, Chance& chance) {
+  if (method.ends_with("UploadMesh")) return MutateMessage<v1::UploadMeshRequest>(bytes, chance);
+  if (method.ends_with("VoxelizeStored")) return MutateMessage<v1::VoxelizeStoredRequest>(bytes, chance);
+  if (method.ends_with("VoxelizeSmall")) return MutateMessage<v1::VoxelizeSmallRequest>(bytes, chance);
   if (method.ends_with("PutMesh")) return MutateMessage<v1::PutMeshRequest>(bytes, chance);
   if (method.ends_with("Pixelize")) return MutateMessage<v1::PixelizeRequest>(bytes, chance);
   if (method.ends_with("Voxelize")) return MutateMessage<v1::VoxelizeRequest>(bytes, chance);

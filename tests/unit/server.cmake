@@ -32,6 +32,8 @@ latvox_add_test(server_call_registry_test SOURCES unit/server/calls/call_registr
                 LIBRARIES latvox::server GTest::gmock)
 latvox_add_test(server_memory_budget_test SOURCES unit/server/work/memory_budget_test.cc
                 LIBRARIES latvox::server GTest::gmock)
+latvox_add_test(server_unfinished_uploads_test SOURCES unit/server/work/unfinished_uploads_test.cc
+                LIBRARIES latvox::server GTest::gmock)
 latvox_add_test(server_mesh_store_test SOURCES unit/server/decode/mesh_store_test.cc
                 LIBRARIES latvox::server GTest::gmock)
 latvox_add_test(server_control_group_test SOURCES unit/server/base/control_group_test.cc LIBRARIES latvox::server)

@@ -59,7 +59,8 @@ TEST(Metrics, CountACallOnceInEachFamilyThatItBelongsTo) {
 
 TEST(Metrics, AreThereFromTheStartForEveryMethodCodeReasonAndStage) {
   const std::string text = Metrics().Text();
-  for (const char* method : {"Voxelize", "PutMesh", "Pixelize", "GetLimits"}) {
+  for (const char* method :
+       {"Voxelize", "VoxelizeStored", "VoxelizeSmall", "PutMesh", "UploadMesh", "Pixelize", "GetLimits"}) {
     for (const absl::StatusCode code : kCodes) {
       EXPECT_THAT(text, HasSubstr(absl::StrCat("latvox_requests_total{code=\"", absl::StatusCodeToString(code),
                                                "\",method=\"", method, "\"} 0\n")));
