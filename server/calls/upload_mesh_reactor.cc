@@ -25,17 +25,26 @@ void UploadMeshReactor::Start() {
 absl::Status UploadMeshReactor::Receive() {
   const auto mesh = MeshSpecFromProto(request_.spec(), environment_.limits, environment_.meshes.capacity());
   if (!mesh.ok()) return mesh.status();
-  if (const auto stored = environment_.meshes.Find(mesh->digest)) {
-    response_.set_next_offset(stored->size());
-    response_.set_stored(true);
-    return absl::OkStatus();
-  }
+  if (IsStored(*mesh)) return absl::OkStatus();
   auto progress = environment_.uploads.Add(environment_.client, *mesh, request_.offset(),
                                            std::move(*request_.mutable_mesh_piece()));
   if (!progress.ok()) return progress.status();
+  if (IsStored(*mesh)) {
+    // By another call, meanwhile. Nobody would go on with this upload.
+    environment_.uploads.Drop(environment_.client, *mesh);
+    return absl::OkStatus();
+  }
   response_.set_next_offset(progress->next_offset);
   complete_ = std::move(progress->complete);
   return absl::OkStatus();
+}
+
+bool UploadMeshReactor::IsStored(const MeshSpec& mesh) {
+  const auto stored = environment_.meshes.Find(mesh.digest);
+  if (!stored) return false;
+  response_.set_next_offset(stored->size());
+  response_.set_stored(true);
+  return true;
 }
 
 void UploadMeshReactor::Work() {

@@ -30,6 +30,8 @@ class UploadMeshReactor final : public CallReactor<grpc::ServerUnaryReactor> {
   void Describe(RequestRecord& record) const override;
   void Free() override { complete_.reset(); }
   absl::Status Receive();
+  // Then sets the response.
+  bool IsStored(const MeshSpec& mesh);
   absl::Status Store();
 
   v1::UploadMeshRequest& request_;

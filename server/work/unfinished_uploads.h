@@ -60,6 +60,7 @@ class UnfinishedUploads {
 
   // Drops the upload, if it is still there.
   void Drop(const std::shared_ptr<const Upload>& upload);
+  void Drop(const std::string& client, const MeshSpec& mesh) { Drop(Look(client, mesh).upload); }
 
   // Drops uploads without progress for `patience`.
   void DropIdle(std::chrono::nanoseconds patience, Clock::time_point now = Clock::now());

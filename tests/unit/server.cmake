@@ -39,6 +39,8 @@ latvox_add_test(server_mesh_store_test SOURCES unit/server/decode/mesh_store_tes
 latvox_add_test(server_control_group_test SOURCES unit/server/base/control_group_test.cc LIBRARIES latvox::server)
 latvox_add_test(server_resume_test SOURCES unit/server/calls/resume_test.cc
                 LIBRARIES latvox::server latvox_server_meshes GTest::gmock)
+latvox_add_test(server_one_message_test SOURCES unit/server/calls/one_message_test.cc
+                LIBRARIES latvox::server latvox_server_meshes GTest::gmock)
 latvox_add_test(server_access_test SOURCES unit/server/access/access_test.cc LIBRARIES latvox::server GTest::gmock)
 latvox_add_test(server_access_call_test SOURCES unit/server/access/access_call_test.cc
                 LIBRARIES latvox::server latvox_server_meshes GTest::gmock)
@@ -60,7 +62,7 @@ latvox_add_test(server_process_test UNSANITIZED SOURCES unit/server/listen/proce
 
 # Tests that start the server's program, as a whole or as what decodes meshes.
 foreach(test server_access_call_test server_call_test server_call_end_test server_decoder_pool_test server_decoder_sandbox_test
-             server_message_test server_process_test server_resume_test server_turns_test)
+             server_message_test server_one_message_test server_process_test server_resume_test server_turns_test)
   if(TARGET ${test})
     target_compile_definitions(${test} PRIVATE LATVOXD="$<TARGET_FILE:latvoxd>")
     add_dependencies(${test} latvoxd)
