@@ -83,7 +83,7 @@ class Links(Case):
     def test_what_does_not_fit_is_refused(self):
         for options, status, says in (
             (["--set", "links", "--fields", "links", "-o", "a.vdb"], 2,
-             "--fields: a.vdb cannot hold links; .csv .npy .npz .ply .vtu can"),
+             "--fields: a.vdb cannot hold links; .csv .npy .npz .ply .vtu .h5 can"),
             (["--set", "surface", "--side", "inside"], 2, "--side: needs --set links, not surface"),
             (["--set", "links", "--minimal"], 2, "minimal: not together with links, which is not thinned"),
             (["--set", "links", "--fields", "link_triangles", "--upload", "draco", "-o", "a.csv"], 2,

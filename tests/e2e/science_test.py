@@ -239,7 +239,7 @@ class Science(Case):
     def test_convert_refuses_what_a_format_cannot_hold(self):
         self.write(BUNNY, [".vdb"], "--resolution", "12", "--lattice", "bcc", "--fields", "part,distance")
         for options, code, says in (
-            (["-o", "a.mha"], 3, "a.mha: cannot hold part,distance; .csv .npy .npz .ply .vti .vtu can, and --fields selects some"),
+            (["-o", "a.mha"], 3, "a.mha: cannot hold part,distance; .csv .npy .npz .ply .vti .vtu .h5 can, and --fields selects some"),
             (["-o", "b.npy", "--npy", "dense"], 3, "cannot hold part,distance"),
             (["-o", "b.csv", "-o", "a.vti"], 3, "a.vti: the format holds boxes along the axes only"),
             (["-o", "b.csv", "--fields", "color"], 3, "a.vdb: has no field color"),

@@ -16,6 +16,7 @@
 #include "client/tool/output/atomic_file.h"
 #include "client/tool/output/box_output.h"
 #include "client/tool/output/dense_output.h"
+#include "client/tool/output/hdf5_output.h"
 #include "client/tool/output/image_output.h"
 #include "client/tool/output/npz_output.h"
 #include "client/tool/output/page_output.h"
@@ -210,6 +211,7 @@ constexpr Format kFormats[] = {
     {".vox", "MagicaVoxel", NewPlainOutput<NewVoxOutput>, Holds::kNone, /*is_placed=*/false},
     {".vti", "VTK, cells of a box", NewCellOutput, Holds::kFixed},
     {".vtu", "VTK, points", NewPointOutput, Holds::kAll},
+    {".h5", "HDF5", NewHdf5Output, Holds::kAll},
     {".nrrd", "NRRD", NewImage<ImageFormat::kNrrd>, Holds::kOne},
     {".mha", "MetaImage", NewImage<ImageFormat::kMetaImage>, Holds::kOne},
     {kMhd, "MetaImage with a .raw beside it", NewImage<ImageFormat::kMetaPair>, Holds::kOne},
