@@ -286,7 +286,13 @@ class Science(Case):
             accepted = [row[0].strip("`") for row in table if row[n] == "yes"]
             refused = [row[0].strip("`") for row in table if row[n] == "no"]
             self.assertEqual(len(accepted) + len(refused), len(table), question)
-            for code, extensions in ((3, accepted), *((2, [each]) for each in refused)):
+            # Those of links need one, which others refuse.
+            of_links = [each for each in accepted if each.startswith(".links")]
+            others = [each for each in accepted if each not in of_links]
+            for code, extensions in ((3, others), *((3, [each]) for each in of_links), *((2, [each]) for each in refused)):
+                options = questions[question]
+                if extensions[:1] == of_links[:1] and of_links and "--fields" not in options:
+                    options = [*options, "--fields", "links"]
                 outputs = [word for extension in extensions for word in ("-o", self.dir / f"a{extension}")]
                 done = latvox("voxelize", self.dir / "none.obj", *outputs, *options)
                 self.assertEqual(done.returncode, code, (question, extensions, done.stderr))

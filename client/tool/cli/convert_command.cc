@@ -19,11 +19,12 @@ namespace {
 
 constexpr char kNone[] = "none";
 
-// Those that need neither the request nor a picture's options: latvox render, slice and view make pictures and pages.
+// Those that need neither the request, links nor a picture's options: latvox render, slice and view make pictures and
+// pages.
 std::vector<std::string> Extensions() {
   std::vector<std::string> extensions = OutputExtensions();
   std::erase_if(extensions, [](const std::string& each) {
-    return each == ".vdb" || each == ".nvdb" || each == ".png" || each == ".html";
+    return each == ".vdb" || each == ".nvdb" || each == ".png" || each == ".html" || absl::StartsWith(each, ".links");
   });
   return extensions;
 }
