@@ -33,13 +33,13 @@ std::string MetaImageHeader(const ImageFacts& image, uint64_t compressed_bytes);
 // The same for data as they are, in another file.
 std::string MetaImageHeader(const ImageFacts& image, const std::string& data_file);
 
-// Limit of a side in NIfTI-1.
-inline constexpr uint64_t kMostNiftiSide = 32767;
+// Returns whether a side exceeds the 32767 elements of NIfTI-1.
+bool NeedsNifti2(const std::array<uint64_t, 3>& shape);
 
-// NIfTI-1 of one file: 352 bytes. sform is the basis, in floats; its code says "aligned to another file", the mesh.
-// There is no qform, because a quaternion knows only right angles. Colors are RGB24; other components are the fifth
-// dimension, so that all elements of one component come before those of the next.
-// Precondition: no side exceeds kMostNiftiSide.
+// NIfTI-1 of one file, 352 bytes; if NeedsNifti2, NIfTI-2, 544 bytes. sform is the basis, in floats or doubles; its
+// code says "aligned to another file", the mesh. There is no qform, because a quaternion knows only right angles.
+// Colors are RGB24; other components are the fifth dimension, so that all elements of one component come before those
+// of the next.
 std::string NiftiHeader(const ImageFacts& image);
 
 }  // namespace latvox::client

@@ -49,15 +49,6 @@ class ImageOutput final : public Output {
     Accepted placed = accepted;
     if (!placed.index_box) placed.index_box = IndexBox{{0, 0, 0}, {1, 1, 1}};
     if (auto status = fields_.Begin(placed, file_->target()); !status.ok()) return status;
-    if (is_nifti()) {
-      const auto& shape = fields_.box().shape();
-      const size_t axis = static_cast<size_t>(std::max_element(shape.begin(), shape.end()) - shape.begin());
-      if (shape[axis] > kMostNiftiSide) {
-        return absl::ResourceExhaustedError(absl::StrCat(file_->target(), ": ", shape[axis], " elements along ",
-                                                         std::string(1, "ijk"[axis]), " exceed NIfTI's ",
-                                                         kMostNiftiSide, "; .nrrd .mha .npz can hold them"));
-      }
-    }
     if (format_ != ImageFormat::kMetaPair) return absl::OkStatus();
     const std::filesystem::path data_path = std::filesystem::path(file_->target()).replace_extension(".raw");
     const std::string name = data_path.filename().string();

@@ -226,8 +226,8 @@ constexpr Format kFormats[] = {
     {".nrrd", "NRRD", NewImage<ImageFormat::kNrrd>, Holds::kOne},
     {".mha", "MetaImage", NewImage<ImageFormat::kMetaImage>, Holds::kOne},
     {kMhd, "MetaImage with a .raw beside it", NewImage<ImageFormat::kMetaPair>, Holds::kOne},
-    {".nii", "NIfTI-1", NewImage<ImageFormat::kNifti>, Holds::kOne},
-    {kNiiGz, "NIfTI-1, compressed", NewImage<ImageFormat::kNiftiGzip>, Holds::kOne},
+    {".nii", "NIfTI", NewImage<ImageFormat::kNifti>, Holds::kOne},
+    {kNiiGz, "NIfTI, compressed", NewImage<ImageFormat::kNiftiGzip>, Holds::kOne},
 };
 
 bool CanHold(const Format& format, const std::vector<Field>& fields) {
