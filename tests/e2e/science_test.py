@@ -131,6 +131,18 @@ class Science(Case):
         kinds = by_teem(self.dir / "a.nrrd")[2]
         self.assertEqual((kinds["space"], kinds["content"]), ("left-posterior-superior", "fraction"))
 
+    def test_labels_have_the_names_of_segments(self):
+        arrays = self.write(SPIDER, [".nrrd", ".vdb"], "--resolution", "16", "--fields", "material")
+        metadata = json.loads(latvox("info", "--json", self.dir / "a.vdb").stdout)["metadata"]
+        names = json.loads(metadata["latvox_material_names"])
+        self.check_images(arrays, "material", "int32", (".nrrd",))
+        done = subprocess.run(["teem-unu", "save", "-f", "nrrd", "-e", "raw", "-i", self.dir / "a.nrrd"], capture_output=True, check=True)
+        keys = dict(line.split(":=", 1) for line in done.stdout.partition(b"\n\n")[0].decode().splitlines() if ":=" in line)
+        found = {int(keys[f"Segment{n}_LabelValue"]): keys[f"Segment{n}_Name"] for n in range(len(keys) // 4)}
+        self.assertGreater(len(found), 2)
+        self.assertEqual(found, {n + 1: name for n, name in enumerate(names) if name})
+        self.assertEqual(json.loads(latvox("info", "--json", self.dir / "a.nrrd").stdout)["voxels"], self.summary["voxels"])
+
     def test_signed_distances_of_a_band(self):
         arrays = self.write(BUNNY, IMAGES, *LATTICES["fcc"], "--band", "2v", "--signed")
         self.assertLess(numpy.nanmin(arrays["distance"]), 0)

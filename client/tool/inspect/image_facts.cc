@@ -97,13 +97,19 @@ bool ReadLineOfNumbers(absl::string_view text, std::array<T, N>& numbers) {
 absl::StatusOr<std::map<std::string, std::string>> ReadFields(FileSource& file, const char* separator,
                                                               const std::string& last) {
   constexpr size_t kMostLines = 64;
+  constexpr size_t kMostKeys = 1 << 20;
   std::map<std::string, std::string> fields;
   std::string line;
+  size_t keys = 0;
   for (size_t n = 0; n < kMostLines; ++n) {
     const auto more = file.ReadLine(line);
     if (!more.ok()) return more.status();
     if (!*more) return file.Bad("is cut short");
     if (line.empty()) return fields;
+    if (absl::StrContains(line, ":=") && keys++ < kMostKeys) {  // of a .nrrd: names of labels
+      --n;
+      continue;
+    }
     const std::pair<std::string, std::string> field = absl::StrSplit(line, absl::MaxSplits(separator, 1));
     fields.insert(field);
     if (field.first == last) return fields;

@@ -10,6 +10,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
+#include "absl/strings/str_replace.h"
 #include "client/internal/vec3.h"
 
 namespace latvox::client {
@@ -100,6 +101,22 @@ std::string HeaderOf(const NiftiLayout& layout, const ImageFacts& image) {
   return header;
 }
 
+// Returns lines of keys and values for the labels with names. Slicer numbers segments without gaps.
+std::string SegmentLines(const std::vector<std::string>& names) {
+  std::string lines;
+  size_t segment = 0;
+  for (size_t n = 0; n < names.size(); ++n) {
+    if (names[n].empty()) continue;
+    std::string name = absl::StrReplaceAll(names[n], {{"\\", "\\\\"}});
+    std::replace_if(
+        name.begin(), name.end(), [](unsigned char c) { return c < ' ' || c == 0x7F; }, ' ');
+    const std::string key = absl::StrCat("Segment", segment++, "_");
+    absl::StrAppend(&lines, key, "ID:=Segment_", n + 1, "\n", key, "LabelValue:=", n + 1, "\n", key, "Layer:=0\n", key,
+                    "Name:=", name, "\n");
+  }
+  return lines;
+}
+
 }  // namespace
 
 std::string NrrdHeader(const ImageFacts& image) {
@@ -114,7 +131,7 @@ std::string NrrdHeader(const ImageFacts& image) {
                       : many                                   ? "vector "
                                                                : "",
                       "domain domain domain\nendian: little\nencoding: gzip\nspace origin: (",
-                      Numbers(image.corner, ","), ")\n\n");
+                      Numbers(image.corner, ","), ")\n", SegmentLines(image.segments), "\n");
 }
 
 std::string MetaImageHeader(const ImageFacts& image, uint64_t compressed_bytes) {

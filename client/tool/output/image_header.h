@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "latvox/types.h"
 
@@ -17,12 +18,13 @@ struct ImageFacts {
   std::array<uint64_t, 3> shape = {};  // along i, j, k; each at least 1
   NumberType type;                     // of a component; kUint32 stands for int32
   size_t components = 1;
-  std::string name;  // of the field, or "data"
+  std::string name;                        // of the field, or "data"
+  std::vector<std::string> segments = {};  // names of labels 1, 2 and so on; "": unknown
 };
 
 // NRRD0005, up to the empty line; the data follow in gzip. `space directions` are the basis. The space is
 // left-posterior-superior, because ITK and Slicer take positions in meshes for that: so mesh and voxels lie on each
-// other. Components come first among the axes.
+// other. Components come first among the axes. Names of labels are the keys of 3D Slicer's segmentations.
 std::string NrrdHeader(const ImageFacts& image);
 
 // MetaImage. Rows of TransformMatrix are the unit vectors of the basis, ElementSpacing are their lengths. ITK takes
