@@ -15,5 +15,6 @@ latvox_test_room_from_outside(client/python TESTS python.package PROGRAMS latvox
 if(TARGET latvox_python) # with LATVOX_PYTHON, which tests/run turns on for this room
   latvox_build_for_room(client/python latvox_python)
 endif()
+latvox_test_room_from_outside(client/tool/hdf5 TESTS e2e.hdf5 PROGRAMS latvox latvoxd)
 latvox_test_room_from_outside(client/tool/inspect TESTS e2e.info PROGRAMS latvox latvoxd)
 latvox_test_room_from_outside(client/tool/view TESTS e2e.view node.view PROGRAMS latvox latvoxd)

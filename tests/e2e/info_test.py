@@ -158,7 +158,7 @@ class Info(Case):
         self.assertEqual((packed["format"], packed["triangles"], packed["bounds"]), ("obj", 8, plain["bounds"]))
 
     def test_others_are_refused(self):
-        for name, says in (("x.txt", 'extension ".txt" is not one of .vdb .nvdb .csv .npy .npz'), ("x", 'extension "" is not one of')):
+        for name, says in (("x.txt", 'extension ".txt" is not one of .vdb .nvdb .h5 .csv .npy .npz'), ("x", 'extension "" is not one of')):
             (self.dir / name).write_text("x")
             done = latvox("info", self.dir / name)
             self.assertEqual((done.returncode, done.stdout), (3, ""))

@@ -22,6 +22,35 @@ class Links(Case):
         with numpy.load(self.dir / "links.npz") as arrays:
             return dict(arrays)
 
+    def test_a_table_and_arrays_list_the_crossed_links(self):
+        outputs = [word for e in ("npz", "links.csv", "links.npz") for word in ("-o", self.dir / f"a.{e}")]
+        self.voxelize(BUNNY, *outputs, "--lattice", "bcc", "--resolution", "20", "--set", "links", "--fields", FIELDS, out="a.csv")
+        table = numpy.genfromtxt(self.dir / "a.links.csv", delimiter=",", names=True)
+        with numpy.load(self.dir / "a.npz") as whole, numpy.load(self.dir / "a.links.npz") as lists:
+            voxel, neighbor = numpy.nonzero(~numpy.isnan(whole["links"]))
+            self.assertGreater(len(voxel), 1000)
+            same = {"ijk": whole["ijk"][voxel], "neighbor": neighbor, "neighbors": whole["neighbors"], "basis": whole["basis"],
+                    "origin": whole["origin"], "share": whole["links"][voxel, neighbor],
+                    "triangle": whole["link_triangles"][voxel, neighbor], "crossings": whole["link_crossings"][voxel, neighbor]}  # fmt: skip
+            self.assertEqual(set(lists), {*same, "lengths"})
+            for name, values in same.items():
+                numpy.testing.assert_array_equal(lists[name], values, name)
+            numpy.testing.assert_allclose(lists["lengths"], numpy.linalg.norm(whole["neighbors"] @ whole["basis"], axis=1), rtol=1e-14)
+            numpy.testing.assert_array_equal(numpy.c_[table["i"], table["j"], table["k"]], lists["ijk"])
+            numpy.testing.assert_array_equal(numpy.c_[table["di"], table["dj"], table["dk"]], lists["neighbors"][neighbor])
+            for name in ("share", "triangle", "crossings"):
+                numpy.testing.assert_array_equal(table[name].astype(lists[name].dtype), lists[name], name)
+            numpy.testing.assert_allclose(table["distance"], lists["share"] * lists["lengths"][neighbor], rtol=1e-8)
+        for name in ("a.links.csv", "a.links.npz"):
+            self.assertEqual(json.loads(latvox("info", "--json", self.dir / name).stdout)["links"], len(voxel), name)
+        self.voxelize(BUNNY, "--resolution", "20", "--fields", "link_crossings", out="b.links.csv")
+        self.assertEqual((self.dir / "b.links.csv").read_text().split("\n")[0], "i,j,k,di,dj,dk,crossings")
+        for fields, says in ((["--fields", "part,links"], "a.links.csv cannot hold part,links; .csv .npy .npz .ply .vtu .h5 can"),
+                             ([], "--fields: a.links.csv needs links, link_triangles or link_crossings")):  # fmt: skip
+            done = latvox("voxelize", BUNNY, "-o", "a.links.csv", *fields, cwd=self.dir)
+            self.assertEqual(done.returncode, 2, done.stderr)
+            self.assertIn(says, done.stderr)
+
     def test_links_of_an_octahedron_are_where_they_must_be(self):
         arrays = self.read(self.ball(), *GRID, "--separability", "1", "--set", "links", "--fields", FIELDS)
         neighbors, ijk = arrays["neighbors"], arrays["ijk"]
@@ -83,7 +112,7 @@ class Links(Case):
     def test_what_does_not_fit_is_refused(self):
         for options, status, says in (
             (["--set", "links", "--fields", "links", "-o", "a.vdb"], 2,
-             "--fields: a.vdb cannot hold links; .csv .npy .npz .ply .vtu can"),
+             "--fields: a.vdb cannot hold links; .csv .npy .npz .ply .vtu .h5 .links.csv .links.npz can"),
             (["--set", "surface", "--side", "inside"], 2, "--side: needs --set links, not surface"),
             (["--set", "links", "--minimal"], 2, "minimal: not together with links, which is not thinned"),
             (["--set", "links", "--fields", "link_triangles", "--upload", "draco", "-o", "a.csv"], 2,

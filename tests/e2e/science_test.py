@@ -1,5 +1,6 @@
 """Programs of others read the images and the files of VTK, and find the voxels and fields of the .npz at their positions."""
 
+import json
 import os
 import pathlib
 import re
@@ -12,7 +13,7 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkIOImage import vtkMetaImageReader
 from vtkmodules.vtkIOXML import vtkXMLImageDataReader, vtkXMLUnstructuredGridReader
 
-from harness import BIN, BUNNY, PATIENCE, Case, latvox
+from harness import BIN, BUNNY, PATIENCE, Case, box, latvox, write_obj
 
 SPIDER = "/usr/share/assimp/models/OBJ/spider.obj"  # of assimp-testmodels
 DOCS = pathlib.Path(__file__).resolve().parents[2] / "client" / "docs" / "inputs-and-outputs.md"
@@ -130,6 +131,18 @@ class Science(Case):
         kinds = by_teem(self.dir / "a.nrrd")[2]
         self.assertEqual((kinds["space"], kinds["content"]), ("left-posterior-superior", "fraction"))
 
+    def test_labels_have_the_names_of_segments(self):
+        arrays = self.write(SPIDER, [".nrrd", ".vdb"], "--resolution", "16", "--fields", "material")
+        metadata = json.loads(latvox("info", "--json", self.dir / "a.vdb").stdout)["metadata"]
+        names = json.loads(metadata["latvox_material_names"])
+        self.check_images(arrays, "material", "int32", (".nrrd",))
+        done = subprocess.run(["teem-unu", "save", "-f", "nrrd", "-e", "raw", "-i", self.dir / "a.nrrd"], capture_output=True, check=True)
+        keys = dict(line.split(":=", 1) for line in done.stdout.partition(b"\n\n")[0].decode().splitlines() if ":=" in line)
+        found = {int(keys[f"Segment{n}_LabelValue"]): keys[f"Segment{n}_Name"] for n in range(len(keys) // 4)}
+        self.assertGreater(len(found), 2)
+        self.assertEqual(found, {n + 1: name for n, name in enumerate(names) if name})
+        self.assertEqual(json.loads(latvox("info", "--json", self.dir / "a.nrrd").stdout)["voxels"], self.summary["voxels"])
+
     def test_signed_distances_of_a_band(self):
         arrays = self.write(BUNNY, IMAGES, *LATTICES["fcc"], "--band", "2v", "--signed")
         self.assertLess(numpy.nanmin(arrays["distance"]), 0)
@@ -188,6 +201,28 @@ class Science(Case):
         self.assertRegex(done.stderr, r"b.nrrd: --dims: 9 along k is less than the \d+ points that the voxels take")
         self.assertFalse((self.dir / "b.nrrd").exists())
 
+    def test_a_side_beyond_nifti_1_makes_nifti_2(self):
+        mesh = write_obj(self.dir / "long.obj", box((0, 0, 0), (40000, 1, 1)))
+        for field, dtype in (("distance", "float32"), ("normal", "float32"), ("part", "int32")):
+            arrays = self.write(mesh, [".nii", ".nii.gz"], "--voxel-size", "1", "--fields", field)
+            self.assertEqual(arrays["data"].shape[0], 40001)
+            self.check_images(arrays, field, dtype, (".nii", ".nii.gz"))
+            for name in ("a.nii", "a.nii.gz"):
+                self.assertIsInstance(nibabel.load(self.dir / name), nibabel.Nifti2Image)
+                facts = json.loads(latvox("info", "--json", self.dir / name).stdout)
+                self.assertEqual((facts["voxels"], facts["shape"]), (self.summary["voxels"], list(arrays["data"].shape)))
+
+    def test_a_binvox_takes_memory_for_bricks_alone(self):
+        mesh = write_obj(self.dir / "cube.obj", box((0, 0, 0), (1, 1, 1)))
+        words = [BIN / "latvox", "voxelize", mesh, "--resolution", "400", "--set", "interior", "--quiet", "-o", self.dir / "a.binvox"]
+        process = subprocess.Popen(list(map(str, words)))
+        _, status, usage = os.wait4(process.pid, 0)
+        process.returncode = os.waitstatus_to_exitcode(status)
+        self.assertEqual(process.returncode, 0)
+        self.assertLess(usage.ru_maxrss / 1024, 200, "MB; a position for each voxel takes 768")
+        facts = json.loads(latvox("info", "--json", self.dir / "a.binvox").stdout)
+        self.assertEqual((facts["voxels"], facts["shape"]), (400**3, [400] * 3))
+
     def test_memory_does_not_grow_with_the_box(self):
         outputs = [word for e in (".vti", ".nrrd", ".nii") for word in ("-o", self.dir / f"a{e}")]
         words = [BIN / "latvox", "voxelize", BUNNY, "--resolution", "400", "--fields", "distance", "--quiet", *outputs]
@@ -239,7 +274,7 @@ class Science(Case):
     def test_convert_refuses_what_a_format_cannot_hold(self):
         self.write(BUNNY, [".vdb"], "--resolution", "12", "--lattice", "bcc", "--fields", "part,distance")
         for options, code, says in (
-            (["-o", "a.mha"], 3, "a.mha: cannot hold part,distance; .csv .npy .npz .ply .vti .vtu can, and --fields selects some"),
+            (["-o", "a.mha"], 3, "a.mha: cannot hold part,distance; .csv .npy .npz .ply .vti .vtu .h5 can, and --fields selects some"),
             (["-o", "b.npy", "--npy", "dense"], 3, "cannot hold part,distance"),
             (["-o", "b.csv", "-o", "a.vti"], 3, "a.vti: the format holds boxes along the axes only"),
             (["-o", "b.csv", "--fields", "color"], 3, "a.vdb: has no field color"),
@@ -286,7 +321,13 @@ class Science(Case):
             accepted = [row[0].strip("`") for row in table if row[n] == "yes"]
             refused = [row[0].strip("`") for row in table if row[n] == "no"]
             self.assertEqual(len(accepted) + len(refused), len(table), question)
-            for code, extensions in ((3, accepted), *((2, [each]) for each in refused)):
+            # Those of links need one, which others refuse.
+            of_links = [each for each in accepted if each.startswith(".links")]
+            others = [each for each in accepted if each not in of_links]
+            for code, extensions in ((3, others), *((3, [each]) for each in of_links), *((2, [each]) for each in refused)):
+                options = questions[question]
+                if code == 3 and extensions[0] in of_links and "--fields" not in options:
+                    options = [*options, "--fields", "links"]
                 outputs = [word for extension in extensions for word in ("-o", self.dir / f"a{extension}")]
                 done = latvox("voxelize", self.dir / "none.obj", *outputs, *options)
                 self.assertEqual(done.returncode, code, (question, extensions, done.stderr))

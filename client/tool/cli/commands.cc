@@ -8,6 +8,7 @@
 #include "client/tool/cli/report.h"
 #include "client/tool/confined/foreign_grid.h"
 #include "client/tool/inspect/file_facts.h"
+#include "client/tool/output/output.h"
 #include "latvox/grid/voxel_grid.h"
 
 namespace latvox::client {
@@ -40,7 +41,7 @@ std::string ToText(const GridFileInfo& info) {
 }  // namespace
 
 absl::StatusOr<std::string> RunInfo(const std::string& path, bool json) {
-  if (absl::EndsWithIgnoreCase(path, ".vdb") || absl::EndsWithIgnoreCase(path, ".nvdb")) {
+  if (HasExtension(path, {".vdb", ".nvdb", ".h5"})) {
     const auto info = absl::EndsWithIgnoreCase(path, ".nvdb") ? ReadNanoFileInfo(path) : ReadForeignInfo(path);
     if (!info.ok()) return info.status();
     return json ? ToJson(*info) + "\n" : ToText(*info);

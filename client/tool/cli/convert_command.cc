@@ -4,6 +4,7 @@
 #include <memory>
 #include <utility>
 
+#include "absl/strings/match.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
@@ -18,11 +19,12 @@ namespace {
 
 constexpr char kNone[] = "none";
 
-// Those that need neither the request nor a picture's options: latvox render, slice and view make pictures and pages.
+// Those that need neither the request, links nor a picture's options: latvox render, slice and view make pictures and
+// pages.
 std::vector<std::string> Extensions() {
   std::vector<std::string> extensions = OutputExtensions();
   std::erase_if(extensions, [](const std::string& each) {
-    return each == ".vdb" || each == ".nvdb" || each == ".png" || each == ".html";
+    return each == ".vdb" || each == ".nvdb" || each == ".png" || each == ".html" || absl::StartsWith(each, ".links");
   });
   return extensions;
 }
@@ -79,12 +81,29 @@ std::string Metadatum(const GridFileInfo& info, absl::string_view name) {
   return found == info.metadata.end() ? "" : found->second;
 }
 
+// Returns the metadata about the mesh and the voxels with these fields.
+MetadataPairs MetadataOf(const GridFileInfo& info, const std::vector<Field>& fields) {
+  MetadataPairs metadata;
+  const auto is_left_out = [&fields](const std::string& name) {
+    if (name == "latvox_basis" || name == "latvox_origin" || name == "latvox_voxel_size") return true;  // of any .h5
+    return std::any_of(kFields.begin(), kFields.end(), [&](const FieldFacts& facts) {
+      return name == absl::StrCat("latvox_", facts.name, "_digest") && !CarriesField(fields, facts.field);
+    });
+  };
+  for (const auto& [name, text] : info.metadata) {
+    if (!absl::StartsWith(name, "latvox_") || is_left_out(name)) continue;
+    metadata.emplace_back(name, name == "latvox_fields" ? Join(fields) : text);
+  }
+  return metadata;
+}
+
 // Returns what the file tells about its voxels.
 Summary SummaryOf(const GridFileInfo& info, uint64_t bricks) {
   Summary summary;
   summary.voxels = info.active_voxels;
   summary.bricks = bricks;
   summary.certificate.lattice = Metadatum(info, "latvox_lattice");
+  summary.certificate.set = Metadatum(info, "latvox_set");
   summary.certificate.digest = Metadatum(info, "latvox_digest");
   summary.certificate.version = Metadatum(info, "latvox_version");
   if (!absl::SimpleAtoi(Metadatum(info, "latvox_separability"), &summary.certificate.separability)) {
@@ -131,9 +150,11 @@ absl::StatusOr<std::string> RunConvert(const ConvertOptions& options, const Canc
   Accepted accepted;
   accepted.grid = info.transform;
   accepted.index_box = info.active_box;
+  OutputOptions output_options = options.output_options;
+  output_options.metadata = MetadataOf(info, fields);
   std::vector<std::unique_ptr<Output>> outputs;
   for (const std::string& path : options.outputs) {
-    auto output = Open(path, fields, options.output_options);
+    auto output = Open(path, fields, output_options);
     if (!output.ok()) return output.status();
     (*output)->SetNames(ReadCarriedNames(info));
     if (auto status = (*output)->Begin(accepted); !status.ok()) return status;

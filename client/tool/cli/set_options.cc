@@ -163,6 +163,12 @@ void CheckCarry(const std::vector<Field>& fields, const std::vector<std::string>
   const auto name = [](std::string* out, Field field) { *out += NameOf(field); };
   for (const std::string& output : outputs) {
     if (HasExtension(output, extensions)) continue;
+    if (fields.empty()) {
+      if (HasExtension(output, OutputExtensions())) {
+        Refuse("--fields: ", output, " needs links, link_triangles or link_crossings");
+      }
+      continue;  // another check names the extension
+    }
     Refuse("--fields: ", output, " cannot hold ", absl::StrJoin(fields, ",", name), "; ",
            absl::StrJoin(extensions, " "), " can");
   }
@@ -344,7 +350,7 @@ void InterpretFields(const VoxelizeWords& words, VoxelizeOptions& options) {
   }
   request.signed_distance = words.is_signed;
   if (words.is_signed && !CarriesField(request.fields, Field::kDistance)) Refuse("--signed: needs --fields distance");
-  if (request.fields.empty()) return;
+  if (request.fields.empty()) return CheckCarry({}, options.outputs);
   if (options.output_options.dense_npy && !FitsOneArray(request.fields)) {
     Refuse("--npy: dense holds one field, and none of links; .npz holds all");
   }

@@ -17,8 +17,10 @@
 #include "absl/strings/str_cat.h"
 #include "client/grid/grid_stream.h"
 #include "client/tool/confined/content_wire.h"
+#include "client/tool/confined/hdf5_info.h"
 #include "client/tool/confined/reader_process.h"
 #include "client/tool/confined/reader_sandbox.h"
+#include "client/tool/hdf5/hdf5_library.h"
 #include "deploy/process/exhaustion.h"
 
 namespace latvox::client {
@@ -62,6 +64,11 @@ class Channel {
 };
 
 absl::StatusOr<GridContent> Read(std::istream& in, const std::string& what, const std::string& path) {
+  if (what == kReadHdf5) {
+    auto info = ReadHdf5Info(kReaderFile, path);
+    if (!info.ok()) return info.status();
+    return GridContent{{*std::move(info), {}}};
+  }
   if (what != kReadInfo) return ReadGridContent(in, path, /*values=*/what == kReadContent);
   auto info = ReadGridFileInfo(in, path);
   if (!info.ok()) return info.status();
@@ -87,6 +94,8 @@ void ReadForParent(char** argv) {
   // TBB looks around in the system when it is first used, and would start threads.
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
   tbb::parallel_for(0, 2, [](int) {});
+  // It opens files. Errors come later.
+  if (argv[5] == std::string(kReadHdf5)) static_cast<void>(Hdf5::Load());
   // It asks the system about the file.
   __gnu_cxx::stdio_filebuf<char> buffer(kReaderFile, std::ios::in | std::ios::binary, kBufferBytes);
   std::istream in(&buffer);

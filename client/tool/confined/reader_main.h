@@ -5,7 +5,7 @@
 namespace latvox::client {
 
 // What such a process sends.
-inline constexpr char kReadInfo[] = "info", kReadVoxels[] = "voxels", kReadContent[] = "content";
+inline constexpr char kReadInfo[] = "info", kReadVoxels[] = "voxels", kReadContent[] = "content", kReadHdf5[] = "hdf5";
 
 // Returns whether ReaderProcess started this process. Programs that read foreign files ask first in main(), and then
 // call EndAsUsual of deploy/process and ReadForParent.

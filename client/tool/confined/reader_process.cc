@@ -192,7 +192,7 @@ absl::Status ReaderProcess::BlameEnd(int code, int status) const {
     return absl::ResourceExhaustedError(
         absl::StrCat(path_, ": the process that read it was killed, as systems do when memory is short"));
   }
-  return Damaged(absl::StrCat(": OpenVDB ends with signal ", status, " (", strsignal(status), ")"));
+  return Damaged(absl::StrCat(": the library that read it ends with signal ", status, " (", strsignal(status), ")"));
 }
 
 }  // namespace latvox::client

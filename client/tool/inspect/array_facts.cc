@@ -167,6 +167,7 @@ absl::Status AddMember(const std::string& name, MemberSource& member, Json& fact
   if (!array.ok()) return array.status();
   facts["arrays"][name] = {{"type", array->type}, {"shape", array->shape}};
   constexpr size_t kMostNumbers = 16;
+  if (name == "neighbor" && array->shape.size() == 1) facts["links"] = array->shape[0];
   if (name == "data" && IsDense(*array)) {
     if (array->elements > uint64_t{1} << 32) return member.Bad("has ", array->elements, " elements, more than 2^32");
     const auto voxels = CountDense(member, *array);

@@ -158,8 +158,8 @@ absl::StatusOr<FileFacts> ReadFileFacts(const std::string& path) {
   const auto format = std::find_if(std::begin(kFormats), std::end(kFormats), has_it);
   if (format == std::end(kFormats)) {
     const auto known = [](std::string* out, const auto& each) { absl::StrAppend(out, each.first); };
-    return absl::InvalidArgumentError(absl::StrCat(path, ": extension \"", extension, "\" is not one of .vdb .nvdb ",
-                                                   absl::StrJoin(kFormats, " ", known)));
+    return absl::InvalidArgumentError(absl::StrCat(
+        path, ": extension \"", extension, "\" is not one of .vdb .nvdb .h5 ", absl::StrJoin(kFormats, " ", known)));
   }
   const auto found = packed ? FactsOfMesh(path) : format->second(path);
   if (!found.ok()) return found.status();

@@ -97,13 +97,19 @@ bool ReadLineOfNumbers(absl::string_view text, std::array<T, N>& numbers) {
 absl::StatusOr<std::map<std::string, std::string>> ReadFields(FileSource& file, const char* separator,
                                                               const std::string& last) {
   constexpr size_t kMostLines = 64;
+  constexpr size_t kMostKeys = 1 << 20;
   std::map<std::string, std::string> fields;
   std::string line;
+  size_t keys = 0;
   for (size_t n = 0; n < kMostLines; ++n) {
     const auto more = file.ReadLine(line);
     if (!more.ok()) return more.status();
     if (!*more) return file.Bad("is cut short");
     if (line.empty()) return fields;
+    if (absl::StrContains(line, ":=") && keys++ < kMostKeys) {  // of a .nrrd: names of labels
+      --n;
+      continue;
+    }
     const std::pair<std::string, std::string> field = absl::StrSplit(line, absl::MaxSplits(separator, 1));
     fields.insert(field);
     if (field.first == last) return fields;
@@ -123,6 +129,42 @@ T At(const std::string& bytes, size_t at) {
   T value;
   std::memcpy(&value, &bytes[at], sizeof(T));
   return value;
+}
+
+// Returns nothing for what latvox does not write.
+template <class Side, class Real>
+std::optional<ImageHead> NiftiHead(const std::string& bytes, const std::array<Side, 8>& sides, int16_t type,
+                                   size_t rows_at) {
+  constexpr int16_t kRgb24 = 128;
+  const bool is_rgb = type == kRgb24;
+  ImageHead head;
+  head.type = TypeOf({"2", "512", "8", "16"}, is_rgb ? "2" : absl::StrCat(type));
+  const bool good = !head.type.empty() && (sides[0] == 3 || sides[0] == 5) && sides[4] == 1 &&
+                    *std::min_element(sides.begin(), sides.begin() + 6) > 0;
+  if (!good) return std::nullopt;
+  head.planar = sides[0] == 5;
+  head.components = is_rgb ? 3 : head.planar ? static_cast<uint64_t>(sides[5]) : 1;
+  for (size_t n = 0; n < 3; ++n) {
+    head.shape[n] = static_cast<uint64_t>(sides[n + 1]);
+    const auto row = At<std::array<Real, 4>>(bytes, rows_at + n * 4 * sizeof(Real));
+    for (size_t m = 0; m < 3; ++m) head.basis[3 * m + n] = row[m];
+    head.corner[n] = row[3];
+  }
+  return head;
+}
+
+std::optional<ImageHead> Nifti1Head(const std::string& bytes) {
+  const bool good = At<int32_t>(bytes, 0) == 348 && absl::string_view(bytes).substr(344, 3) == "n+1" &&
+                    At<float>(bytes, 108) == static_cast<float>(bytes.size());
+  if (!good) return std::nullopt;
+  return NiftiHead<int16_t, float>(bytes, At<std::array<int16_t, 8>>(bytes, 40), At<int16_t>(bytes, 70), 280);
+}
+
+std::optional<ImageHead> Nifti2Head(const std::string& bytes) {
+  const bool good =
+      absl::string_view(bytes).substr(4, 3) == "n+2" && At<int64_t>(bytes, 168) == static_cast<int64_t>(bytes.size());
+  if (!good) return std::nullopt;
+  return NiftiHead<int64_t, double>(bytes, At<std::array<int64_t, 8>>(bytes, 16), At<int16_t>(bytes, 12), 400);
 }
 
 }  // namespace
@@ -182,31 +224,22 @@ absl::StatusOr<Json> MetaImageFacts(const std::string& path) {
 }
 
 absl::StatusOr<Json> NiftiFacts(const std::string& path) {
-  constexpr size_t kBytes = 352;
   const auto file = FileSource::Open(path);
   if (!file.ok()) return file.status();
   std::optional<InflatedSource> inflated;
   if (absl::EndsWithIgnoreCase(path, ".gz")) inflated.emplace(path, **file);
   ByteSource& source = inflated ? static_cast<ByteSource&>(*inflated) : **file;
-  std::string bytes(kBytes, '\0');
-  if (auto status = source.Read(bytes.data(), bytes.size()); !status.ok()) return status;
-  const auto sides = At<std::array<int16_t, 8>>(bytes, 40);
-  const bool is_rgb = At<int16_t>(bytes, 70) == 128;
-  ImageHead head;
-  head.type = TypeOf({"2", "512", "8", "16"}, is_rgb ? "2" : absl::StrCat(At<int16_t>(bytes, 70)));
-  const bool good = At<int32_t>(bytes, 0) == 348 && absl::string_view(bytes).substr(344, 3) == "n+1" &&
-                    At<float>(bytes, 108) == float{kBytes} && !head.type.empty() && (sides[0] == 3 || sides[0] == 5) &&
-                    sides[4] == 1 && *std::min_element(sides.begin(), sides.begin() + 6) > 0;
-  if (!good) return source.Bad("is not a NIfTI of latvox");
-  head.planar = sides[0] == 5;
-  head.components = is_rgb ? 3 : head.planar ? static_cast<uint64_t>(sides[5]) : 1;
-  for (size_t n = 0; n < 3; ++n) {
-    head.shape[n] = static_cast<uint64_t>(sides[n + 1]);
-    const auto row = At<std::array<float, 4>>(bytes, 280 + 16 * n);
-    for (size_t m = 0; m < 3; ++m) head.basis[3 * m + n] = row[m];
-    head.corner[n] = row[3];
+  constexpr size_t kBytes1 = 352, kBytes2 = 544;
+  std::string bytes(kBytes1, '\0');
+  if (auto status = source.Read(bytes.data(), kBytes1); !status.ok()) return status;
+  const bool is_second = At<int32_t>(bytes, 0) == 540;
+  if (is_second) {
+    bytes.resize(kBytes2);
+    if (auto status = source.Read(&bytes[kBytes1], kBytes2 - kBytes1); !status.ok()) return status;
   }
-  return Facts(head, source);
+  auto head = is_second ? Nifti2Head(bytes) : Nifti1Head(bytes);
+  if (!head) return source.Bad("is not a NIfTI of latvox");
+  return Facts(*head, source);
 }
 
 }  // namespace latvox::client

@@ -56,6 +56,25 @@ absl::StatusOr<Json> CsvRows(FileSource& file, const std::string& header) {
               {"bounds", bounds.ToJson()}};
 }
 
+// Reads the rows of a table of links.
+absl::StatusOr<Json> LinkRows(FileSource& file, const std::string& header) {
+  Extent<int32_t> box;
+  uint64_t rows = 0;
+  for (std::string line;; ++rows) {
+    const auto more = file.ReadLine(line);
+    if (!more.ok()) return more.status();
+    if (!*more) break;
+    absl::string_view rest = line;
+    Vec3i ijk, neighbor;
+    if (!ReadNumbers(rest, ijk) || !ReadNumbers(rest, neighbor)) {
+      return file.Bad("line ", rows + 2, " does not begin with 6 integers");
+    }
+    box.Add(ijk);
+  }
+  const std::vector<std::string> columns = absl::StrSplit(header, ',');
+  return Json{{"columns", columns}, {"links", rows}, {"index_box", box.ToJson(1)}};
+}
+
 size_t BytesOf(PlyScalar scalar) {
   constexpr size_t kBytes[] = {1, 1, 2, 2, 4, 4, 4, 8};
   return kBytes[static_cast<size_t>(scalar)];
@@ -117,8 +136,9 @@ absl::StatusOr<Json> CsvFacts(FileSource& file) {
   if (const auto more = file.ReadLine(header); !more.ok()) return more.status();
   const std::string whole = header + ",";
   if (absl::StartsWith(whole, "i,j,k,x,y,z,")) return CsvRows<3>(file, header);
+  if (absl::StartsWith(whole, "i,j,k,di,dj,dk,")) return LinkRows(file, header);
   if (absl::StartsWith(whole, "i,j,x,y,")) return CsvRows<2>(file, header);
-  return file.Bad("does not begin with i,j,k,x,y,z or i,j,x,y, as the files of latvox do");
+  return file.Bad("does not begin with i,j,k,x,y,z or i,j,k,di,dj,dk or i,j,x,y, as the files of latvox do");
 }
 
 absl::StatusOr<std::optional<Json>> PlyFacts(FileSource& file) {

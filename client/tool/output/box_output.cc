@@ -1,11 +1,12 @@
 #include "client/tool/output/box_output.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -18,7 +19,7 @@ namespace {
 
 constexpr double kRounding = 1e-12;  // relative, of the vectors of a scaled lattice
 
-// Collects all voxels, then writes the file.
+// Collects all bricks, then writes the file.
 class BoxOutput : public Output {
  public:
   BoxOutput(std::unique_ptr<AtomicFile> file, int32_t most, const BoxShape& shape = {})
@@ -35,13 +36,13 @@ class BoxOutput : public Output {
   absl::Status Add(const BrickBatch& batch) final {
     for (const Brick& brick : batch.bricks) {
       box_.Add(brick);
-      ForEachVoxel(brick, [this](const Vec3i& ijk) { voxels_.push_back(ijk); });
+      bricks_.push_back(brick);
     }
     return box_.box() ? ShapedBox(*box_.box(), shape_, file_->target()).status() : absl::OkStatus();
   }
 
   absl::Status Finish(const Summary&) final {
-    if (auto status = MoveToCorner(); !status.ok()) return status;
+    if (auto status = FindBox(); !status.ok()) return status;
     if (auto status = Write(); !status.ok()) return status;
     return file_->Sync();
   }
@@ -51,14 +52,14 @@ class BoxOutput : public Output {
  protected:
   AtomicFile& file() { return *file_; }
   const GridTransform& grid() const { return grid_; }
-  std::vector<Vec3i>& voxels() { return voxels_; }  // relative to low()
+  std::vector<Brick>& bricks() { return bricks_; }
   const Vec3i& low() const { return low_; }
   const Vec3i& sides() const { return sides_; }
 
  private:
   virtual absl::Status Write() = 0;
 
-  absl::Status MoveToCorner() {
+  absl::Status FindBox() {
     const std::optional<IndexBox>& voxels = box_.box();
     if (!voxels && !shape_.dims) return absl::OkStatus();
     const auto shaped = ShapedBox(voxels ? *voxels : IndexBox{}, shape_, file_->target());
@@ -73,9 +74,6 @@ class BoxOutput : public Output {
       }
       sides_[m] = static_cast<int32_t>(side);
     }
-    for (Vec3i& ijk : voxels_) {
-      for (size_t m = 0; m < 3; ++m) ijk[m] -= low_[m];
-    }
     return absl::OkStatus();
   }
 
@@ -84,56 +82,130 @@ class BoxOutput : public Output {
   const BoxShape shape_;
   GridTransform grid_;
   VoxelBox box_;
-  std::vector<Vec3i> voxels_;
+  std::vector<Brick> bricks_;
   Vec3i low_{}, sides_{1, 1, 1};
 };
 
-// Writes runs of (value, length) with lengths up to 255, over x, then z, then y, which changes fastest.
+// Joins runs of equal cells, and writes them as (value, length) with lengths up to 255.
+class RunWriter {
+ public:
+  explicit RunWriter(AtomicFile& file) : file_(file) {}
+
+  void Add(bool value, uint64_t length) {
+    if (length == 0) return;
+    if (value != value_) Write();
+    value_ = value;
+    length_ += length;
+  }
+
+  // Returns the first error.
+  absl::Status Finish() {
+    Write();
+    Flush();
+    return status_;
+  }
+
+ private:
+  void Write() {
+    constexpr uint64_t kMost = 255;
+    for (; length_ > 0; length_ -= std::min(length_, kMost)) {
+      bytes_.push_back(value_ ? 1 : 0);
+      bytes_.push_back(static_cast<char>(std::min(length_, kMost)));
+      if (bytes_.size() >= size_t{1} << 16) Flush();
+    }
+  }
+  void Flush() {
+    if (status_.ok()) status_ = file_.Append(bytes_);
+    bytes_.clear();
+  }
+
+  AtomicFile& file_;
+  bool value_ = false;
+  uint64_t length_ = 0;
+  std::string bytes_;
+  absl::Status status_;
+};
+
+// Returns the first bit with the value, at or behind `from`, or `end`.
+size_t FindBit(const uint64_t* words, size_t from, size_t end, bool value) {
+  while (from < end) {
+    const uint64_t word = (value ? words[from / 64] : ~words[from / 64]) >> from % 64;
+    if (word != 0) return std::min(end, from + static_cast<size_t>(std::countr_zero(word)));
+    from = (from / 64 + 1) * 64;
+  }
+  return end;
+}
+
+// Moves bit y << 3 | z to z << 3 | y.
+uint64_t Transposed(uint64_t bits) {
+  for (const auto& [shift, mask] : {std::pair(7, 0x00AA00AA00AA00AAULL), std::pair(14, 0x0000CCCC0000CCCCULL),
+                                    std::pair(28, 0x00000000F0F0F0F0ULL)}) {
+    const uint64_t swapped = (bits ^ bits >> shift) & mask;
+    bits ^= swapped ^ swapped << shift;
+  }
+  return bits;
+}
+
+// Writes cells over x, then z, then y, which changes fastest. One slice of constant x is in memory, a bit for each
+// cell.
 class BinvoxOutput final : public BoxOutput {
  public:
   BinvoxOutput(std::unique_ptr<AtomicFile> file, const BoxShape& shape) : BoxOutput(std::move(file), 4096, shape) {}
 
  private:
   absl::Status Write() override {
-    const int64_t side = *std::max_element(sides().begin(), sides().end());
+    const int32_t side = *std::max_element(sides().begin(), sides().end());
     const double size = grid().basis.a[0];
     Vec3d corner = grid().ToWorld(low());
     for (double& x : corner) x -= size / 2;
     const std::string header =
         absl::StrFormat("#binvox 1\ndim %d %d %d\ntranslate %.17g %.17g %.17g\nscale %.17g\ndata\n", side, side, side,
-                        corner[0], corner[1], corner[2], size * static_cast<double>(side));
+                        corner[0], corner[1], corner[2], size * side);
     if (auto status = file().Append(header); !status.ok()) return status;
-    std::sort(voxels().begin(), voxels().end(),
-              [](const Vec3i& v, const Vec3i& w) { return std::tie(v[0], v[2], v[1]) < std::tie(w[0], w[2], w[1]); });
-    int64_t next = 0, begin = 0;  // the cell after the run of voxels, and its first
-    for (const Vec3i& v : voxels()) {
-      const int64_t cell = (v[0] * side + v[2]) * side + v[1];
-      if (cell != next) {
-        if (auto status = AppendRuns(next - begin, cell - next); !status.ok()) return status;
-        begin = cell;
+    const auto is_lower = [](const Brick& a, const Brick& b) { return a.brick_ijk[0] < b.brick_ijk[0]; };
+    std::sort(bricks().begin(), bricks().end(), is_lower);
+    // Rows along y begin at a brick, so that each byte is a row of a brick.
+    const auto cells = static_cast<size_t>(side), first = static_cast<size_t>(low()[1] & 7);
+    const size_t row_words = (first + cells) / 64 + 1;
+    std::vector<uint64_t> slice(cells * row_words);
+    RunWriter runs(file());
+    auto begin = bricks().begin(), end = begin;
+    for (int32_t i = low()[0]; i < low()[0] + side; ++i) {
+      while (begin != bricks().end() && begin->brick_ijk[0] < i >> 3) ++begin;
+      for (end = std::max(begin, end); end != bricks().end() && end->brick_ijk[0] == i >> 3;) ++end;
+      if (begin == end) {
+        runs.Add(false, cells * cells);
+        continue;
       }
-      next = cell + 1;
+      std::fill(slice.begin(), slice.end(), 0);
+      FillSlice({begin, end}, static_cast<size_t>(i & 7), row_words, slice);
+      for (size_t z = 0; z < cells; ++z) AddRow(&slice[z * row_words], first, first + cells, runs);
     }
-    return AppendRuns(next - begin, side * side * side - next);
+    return runs.Finish();
   }
 
-  // Appends a run of voxels, then a run of empty cells.
-  absl::Status AppendRuns(int64_t voxels, int64_t none) {
-    constexpr int64_t kMost = 255;
-    for (auto [value, left] : {std::pair(char{1}, voxels), {char{0}, none}}) {
-      std::string runs;
-      for (; left > 0; left -= kMost) {
-        runs.push_back(value);
-        runs.push_back(static_cast<char>(std::min(left, kMost)));
-        if (runs.size() < kFlush) continue;
-        if (auto status = file().Append(runs); !status.ok()) return status;
-        runs.clear();
+  void FillSlice(std::span<const Brick> layer, size_t x, size_t row_words, std::vector<uint64_t>& slice) const {
+    auto* const bytes = reinterpret_cast<uint8_t*>(slice.data());
+    for (const Brick& brick : layer) {
+      const uint64_t rows = Transposed(brick.mask[x]);
+      const auto column = static_cast<size_t>(brick.brick_ijk[1] - (low()[1] >> 3));
+      for (int32_t z = 0; z < 8; ++z) {
+        const auto row = static_cast<uint8_t>(rows >> 8 * z);
+        if (row == 0) continue;  // perhaps outside the box
+        const auto k = static_cast<size_t>(brick.brick_ijk[2] * 8 + z - low()[2]);
+        bytes[k * row_words * sizeof(uint64_t) + column] = row;
       }
-      if (auto status = file().Append(runs); !status.ok()) return status;
     }
-    return absl::OkStatus();
   }
-  static constexpr size_t kFlush = size_t{1} << 16;
+
+  static void AddRow(const uint64_t* words, size_t at, size_t end, RunWriter& runs) {
+    while (at < end) {
+      const size_t one = FindBit(words, at, end, true), zero = FindBit(words, one, end, false);
+      runs.Add(false, one - at);
+      runs.Add(true, zero - one);
+      at = zero;
+    }
+  }
 };
 
 // Writes "VOX ", version 150, and a chunk MAIN of the chunks SIZE and XYZI. A chunk has an id, its bytes, the bytes of
@@ -155,14 +227,18 @@ class VoxOutput final : public BoxOutput {
 
   absl::Status Write() override {
     const auto side = [&](size_t m) { return static_cast<size_t>(sides()[m]); };
+    size_t voxels = 0;
+    for (const Brick& brick : bricks()) voxels += CountVoxels(brick);
     // 256^3 voxels of four bytes are the maximum: all lengths fit.
     const std::string size = "SIZE" + Words({12, 0, side(0), side(1), side(2)});
-    const std::string head = "XYZI" + Words({4 + 4 * voxels().size(), 0, voxels().size()});
-    const size_t children = size.size() + head.size() + 4 * voxels().size();
+    const std::string head = "XYZI" + Words({4 + 4 * voxels, 0, voxels});
+    const size_t children = size.size() + head.size() + 4 * voxels;
     std::string rows = "VOX " + Words({150}) + "MAIN" + Words({0, children}) + size + head;
-    for (const Vec3i& v : voxels()) {
-      for (const int32_t x : v) rows.push_back(static_cast<char>(x));
-      rows.push_back(static_cast<char>(kColor));
+    for (const Brick& brick : bricks()) {
+      ForEachVoxel(brick, [&](const Vec3i& ijk) {
+        for (size_t m = 0; m < 3; ++m) rows.push_back(static_cast<char>(ijk[m] - low()[m]));
+        rows.push_back(static_cast<char>(kColor));
+      });
     }
     return file().Append(rows);
   }

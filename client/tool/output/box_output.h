@@ -21,7 +21,8 @@ bool IsAlongAxes(const Basis& basis);
 // Returns whether the cells are cubes along the world's axes, up to the rounding of a scaled basis.
 bool IsCubic(const Basis& basis);
 
-// Both formats need a lattice of cubes along the world's axes. Memory grows with the voxels, not with the box.
+// Both formats need a lattice of cubes along the world's axes. Memory: 80 bytes for each brick, and for
+// .binvox a bit for each cell of a slice; for .vox, the file.
 // Errors: INVALID_ARGUMENT for another lattice; RESOURCE_EXHAUSTED for a box that the format cannot hold.
 //   .binvox   a cube of up to 4096 voxels a side (half a gigabyte if empty), starting at the lowest voxel. `translate`
 //             is the low corner of that voxel's cube, `scale` the side of the whole cube. So the centers of the cells

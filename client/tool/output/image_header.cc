@@ -1,11 +1,16 @@
 #include "client/tool/output/image_header.h"
 
+#include <algorithm>
 #include <cstring>
+#include <limits>
 #include <span>
+#include <string_view>
+#include <type_traits>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
+#include "absl/strings/str_replace.h"
 #include "client/internal/vec3.h"
 
 namespace latvox::client {
@@ -43,6 +48,75 @@ std::string MetaImageHead(const ImageFacts& image, const std::string& compressio
                       "\nElementType = ", NamesOf(image.type).meta_image, "\nElementDataFile = ", data_file, "\n");
 }
 
+// Where NIfTI's two versions have the fields that are written.
+struct NiftiLayout {
+  int32_t size;  // of the header without the flag of extensions
+  size_t magic_at, dim, intent_code, datatype, bitpix, pixdim, vox_offset, sform_code, srow, intent_name;
+  std::string_view magic;
+};
+constexpr NiftiLayout kNifti1 = {348, 344, 40, 68, 70, 72, 76, 108, 254, 280, 328, {"n+1\0", 4}};
+constexpr NiftiLayout kNifti2 = {540, 4, 16, 504, 12, 14, 104, 168, 348, 400, 508, {"n+2\0\r\n\x1A\n", 8}};
+
+// Side, Real and Code are the types of sides, of numbers, and of codes except that of the data. The offset of the data
+// is a number in version 1, and has the type of sides in version 2.
+template <class Side, class Real, class Code>
+std::string HeaderOf(const NiftiLayout& layout, const ImageFacts& image) {
+  constexpr Code kVector = 1007, kAlignedToAnother = 2;
+  constexpr int16_t kRgb24 = 128;
+  const auto bytes = static_cast<size_t>(layout.size) + 4;
+  std::string header(bytes, '\0');
+  const auto put = [&header](size_t at, const auto& value) { std::memcpy(&header[at], &value, sizeof(value)); };
+  const bool is_color = image.type == NumberType::kUint8 && image.components == 3;
+  const bool is_vector = image.components > 1 && !is_color;
+  std::array<Side, 8> sides;
+  std::array<Real, 8> spacing;
+  sides.fill(1);
+  spacing.fill(1);
+  sides[0] = is_vector ? 5 : 3;
+  const Vec3d* const steps[] = {&image.basis.a, &image.basis.b, &image.basis.c};
+  for (size_t n = 0; n < 3; ++n) {
+    sides[n + 1] = static_cast<Side>(image.shape[n]);
+    spacing[n + 1] = static_cast<Real>(Length(*steps[n]));
+    std::array<Real, 4> row;
+    for (size_t m = 0; m < 3; ++m) row[m] = static_cast<Real>((*steps[m])[n]);
+    row[3] = static_cast<Real>(image.corner[n]);
+    put(layout.srow + n * sizeof(row), row);  // srow_x, srow_y, srow_z
+  }
+  if (is_vector) sides[5] = static_cast<Side>(image.components);
+  const TypeNames names = NamesOf(image.type);
+  put(0, layout.size);
+  put(layout.dim, sides);
+  if (is_vector) put(layout.intent_code, kVector);
+  put(layout.datatype, is_color ? kRgb24 : names.nifti);
+  put(layout.bitpix, static_cast<int16_t>(is_color ? 3 * names.bits : names.bits));
+  put(layout.pixdim, spacing);
+  if constexpr (std::is_same_v<Real, float>) {
+    put(layout.vox_offset, static_cast<float>(bytes));
+  } else {
+    put(layout.vox_offset, static_cast<int64_t>(bytes));
+  }
+  put(layout.sform_code, kAlignedToAnother);
+  header.replace(layout.intent_name, image.name.size(), image.name);  // at most 15 bytes
+  header.replace(layout.magic_at, layout.magic.size(), layout.magic);
+  return header;
+}
+
+// Returns lines of keys and values for the labels with names. Slicer numbers segments without gaps.
+std::string SegmentLines(const std::vector<std::string>& names) {
+  std::string lines;
+  size_t segment = 0;
+  for (size_t n = 0; n < names.size(); ++n) {
+    if (names[n].empty()) continue;
+    std::string name = absl::StrReplaceAll(names[n], {{"\\", "\\\\"}});
+    std::replace_if(
+        name.begin(), name.end(), [](unsigned char c) { return c < ' ' || c == 0x7F; }, ' ');
+    const std::string key = absl::StrCat("Segment", segment++, "_");
+    absl::StrAppend(&lines, key, "ID:=Segment_", n + 1, "\n", key, "LabelValue:=", n + 1, "\n", key, "Layer:=0\n", key,
+                    "Name:=", name, "\n");
+  }
+  return lines;
+}
+
 }  // namespace
 
 std::string NrrdHeader(const ImageFacts& image) {
@@ -57,7 +131,7 @@ std::string NrrdHeader(const ImageFacts& image) {
                       : many                                   ? "vector "
                                                                : "",
                       "domain domain domain\nendian: little\nencoding: gzip\nspace origin: (",
-                      Numbers(image.corner, ","), ")\n\n");
+                      Numbers(image.corner, ","), ")\n", SegmentLines(image.segments), "\n");
 }
 
 std::string MetaImageHeader(const ImageFacts& image, uint64_t compressed_bytes) {
@@ -69,40 +143,14 @@ std::string MetaImageHeader(const ImageFacts& image, const std::string& data_fil
   return MetaImageHead(image, "CompressedData = False\n", data_file);
 }
 
+bool NeedsNifti2(const std::array<uint64_t, 3>& shape) {
+  constexpr uint64_t kMost = std::numeric_limits<int16_t>::max();
+  return *std::max_element(shape.begin(), shape.end()) > kMost;
+}
+
 std::string NiftiHeader(const ImageFacts& image) {
-  constexpr int16_t kRgb24 = 128, kVector = 1007, kAlignedToAnother = 2;
-  constexpr size_t kBytes = 352;
-  std::string header(kBytes, '\0');
-  const auto put = [&header](size_t at, const auto& value) { std::memcpy(&header[at], &value, sizeof(value)); };
-  const bool is_color = image.type == NumberType::kUint8 && image.components == 3;
-  const bool is_vector = image.components > 1 && !is_color;
-  std::array<int16_t, 8> sides;
-  std::array<float, 8> spacing;
-  sides.fill(1);
-  spacing.fill(1);
-  sides[0] = is_vector ? 5 : 3;
-  const Vec3d* const steps[] = {&image.basis.a, &image.basis.b, &image.basis.c};
-  for (size_t n = 0; n < 3; ++n) {
-    sides[n + 1] = static_cast<int16_t>(image.shape[n]);
-    spacing[n + 1] = static_cast<float>(Length(*steps[n]));
-    std::array<float, 4> row;
-    for (size_t m = 0; m < 3; ++m) row[m] = static_cast<float>((*steps[m])[n]);
-    row[3] = static_cast<float>(image.corner[n]);
-    put(280 + 16 * n, row);  // srow_x, srow_y, srow_z
-  }
-  if (is_vector) sides[5] = static_cast<int16_t>(image.components);
-  const TypeNames names = NamesOf(image.type);
-  put(0, int32_t{348});  // the header's bytes without the flag of extensions
-  put(40, sides);
-  if (is_vector) put(68, kVector);
-  put(70, is_color ? kRgb24 : names.nifti);
-  put(72, static_cast<int16_t>(is_color ? 3 * names.bits : names.bits));
-  put(76, spacing);
-  put(108, static_cast<float>(kBytes));  // where the data begin
-  put(254, kAlignedToAnother);
-  header.replace(328, image.name.size(), image.name);  // at most 15 bytes
-  header.replace(344, 3, "n+1");
-  return header;
+  return NeedsNifti2(image.shape) ? HeaderOf<int64_t, double, int32_t>(kNifti2, image)
+                                  : HeaderOf<int16_t, float, int16_t>(kNifti1, image);
 }
 
 }  // namespace latvox::client

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "latvox/types.h"
 
@@ -17,12 +18,13 @@ struct ImageFacts {
   std::array<uint64_t, 3> shape = {};  // along i, j, k; each at least 1
   NumberType type;                     // of a component; kUint32 stands for int32
   size_t components = 1;
-  std::string name;  // of the field, or "data"
+  std::string name;                        // of the field, or "data"
+  std::vector<std::string> segments = {};  // names of labels 1, 2 and so on; "": unknown
 };
 
 // NRRD0005, up to the empty line; the data follow in gzip. `space directions` are the basis. The space is
 // left-posterior-superior, because ITK and Slicer take positions in meshes for that: so mesh and voxels lie on each
-// other. Components come first among the axes.
+// other. Components come first among the axes. Names of labels are the keys of 3D Slicer's segmentations.
 std::string NrrdHeader(const ImageFacts& image);
 
 // MetaImage. Rows of TransformMatrix are the unit vectors of the basis, ElementSpacing are their lengths. ITK takes
@@ -33,13 +35,13 @@ std::string MetaImageHeader(const ImageFacts& image, uint64_t compressed_bytes);
 // The same for data as they are, in another file.
 std::string MetaImageHeader(const ImageFacts& image, const std::string& data_file);
 
-// Limit of a side in NIfTI-1.
-inline constexpr uint64_t kMostNiftiSide = 32767;
+// Returns whether a side exceeds the 32767 elements of NIfTI-1.
+bool NeedsNifti2(const std::array<uint64_t, 3>& shape);
 
-// NIfTI-1 of one file: 352 bytes. sform is the basis, in floats; its code says "aligned to another file", the mesh.
-// There is no qform, because a quaternion knows only right angles. Colors are RGB24; other components are the fifth
-// dimension, so that all elements of one component come before those of the next.
-// Precondition: no side exceeds kMostNiftiSide.
+// NIfTI-1 of one file, 352 bytes; if NeedsNifti2, NIfTI-2, 544 bytes. sform is the basis, in floats or doubles; its
+// code says "aligned to another file", the mesh. There is no qform, because a quaternion knows only right angles.
+// Colors are RGB24; other components are the fifth dimension, so that all elements of one component come before those
+// of the next.
 std::string NiftiHeader(const ImageFacts& image);
 
 }  // namespace latvox::client

@@ -45,19 +45,14 @@ class ImageOutput final : public Output {
               const BoxShape& shape)
       : file_(std::move(file)), format_(format), fields_(fields, DenseOrder::kFirstFastest, shape) {}
 
+  void SetNames(const CarriedNames& names) override {
+    if (!fields_.values().empty()) segments_ = names.Of(fields_.values()[0].field);
+  }
+
   absl::Status Begin(const Accepted& accepted) override {
     Accepted placed = accepted;
     if (!placed.index_box) placed.index_box = IndexBox{{0, 0, 0}, {1, 1, 1}};
     if (auto status = fields_.Begin(placed, file_->target()); !status.ok()) return status;
-    if (is_nifti()) {
-      const auto& shape = fields_.box().shape();
-      const size_t axis = static_cast<size_t>(std::max_element(shape.begin(), shape.end()) - shape.begin());
-      if (shape[axis] > kMostNiftiSide) {
-        return absl::ResourceExhaustedError(absl::StrCat(file_->target(), ": ", shape[axis], " elements along ",
-                                                         std::string(1, "ijk"[axis]), " exceed NIfTI's ",
-                                                         kMostNiftiSide, "; .nrrd .mha .npz can hold them"));
-      }
-    }
     if (format_ != ImageFormat::kMetaPair) return absl::OkStatus();
     const std::filesystem::path data_path = std::filesystem::path(file_->target()).replace_extension(".raw");
     const std::string name = data_path.filename().string();
@@ -75,8 +70,9 @@ class ImageOutput final : public Output {
   absl::Status Finish(const Summary&) override {
     if (auto status = fields_.Finish(); !status.ok()) return status;
     const DenseArray array = AsLabels(fields_.Arrays().back());
-    const ImageFacts image = {fields_.grid().basis, fields_.corner(), fields_.box().shape(),
-                              array.type,           array.components, array.name};
+    const ImageFacts image = {
+        fields_.grid().basis, fields_.corner(), fields_.box().shape(), array.type, array.components,
+        array.name,           segments_};
     if (auto status = Write(image, array); !status.ok()) return status;
     if (data_ != nullptr) {
       if (auto status = data_->Sync(); !status.ok()) return status;
@@ -150,6 +146,7 @@ class ImageOutput final : public Output {
   std::unique_ptr<AtomicFile> file_, data_;  // data_: of kMetaPair
   const ImageFormat format_;
   DenseFields fields_;
+  std::vector<std::string> segments_;  // names of its numbers
 };
 
 }  // namespace

@@ -10,40 +10,12 @@
 #include "client/tool/output/dense_fields.h"
 #include "client/tool/output/field_columns.h"
 #include "client/tool/output/npy_header.h"
+#include "client/tool/output/npz_member.h"
 #include "client/tool/output/zip_writer.h"
 #include "latvox/for_each_voxel.h"
 
 namespace latvox::client {
 namespace {
-
-template <class T>
-std::string BytesOf(const T& value) {
-  return {reinterpret_cast<const char*>(&value), sizeof(value)};
-}
-
-// Returns a member whose bytes are at hand.
-ZipMember Small(const std::string& name, std::string bytes) {
-  const uint64_t size = bytes.size();
-  const auto rest = std::make_shared<std::string>(std::move(bytes));
-  return {name + ".npy", size, [rest](std::string& chunk) { chunk = std::exchange(*rest, {}); }};
-}
-
-// Returns a member that copies an array piece by piece. `array` must live until it is written.
-template <class T>
-ZipMember Rows(const std::string& name, std::string header, const std::vector<T>& array) {
-  static constexpr size_t kPiece = size_t{1} << 20;
-  const uint64_t size = header.size() + array.size() * sizeof(T);
-  const auto rest = std::make_shared<std::string>(std::move(header));
-  return {name + ".npy", size, [rest, &array, done = size_t{0}](std::string& chunk) mutable {
-            if (!rest->empty()) {
-              chunk = std::exchange(*rest, {});
-              return;
-            }
-            const size_t now = std::min(kPiece, array.size() * sizeof(T) - done);
-            chunk.assign(reinterpret_cast<const char*>(array.data()) + done, now);
-            done += now;
-          }};
-}
 
 ZipMember Dense(const DenseArray& array, DenseBox& box) {
   std::vector<uint64_t> shape(box.shape().begin(), box.shape().end());
@@ -88,13 +60,13 @@ class NpzOutput final : public Output {
   void AddLinks(std::vector<ZipMember>& members) const {
     const uint64_t rows = ijk_.size(), columns = neighbors_.size();
     const auto integers = [](uint64_t count) { return NpyHeader("'<i4'", std::array<uint64_t, 2>{count, 3}); };
-    members.push_back(Rows("ijk", integers(rows), ijk_));
-    members.push_back(Rows("neighbors", integers(columns), neighbors_));
+    members.push_back(RowsMember("ijk", integers(rows), ijk_));
+    members.push_back(RowsMember("neighbors", integers(columns), neighbors_));
     for (const FieldValues& values : fields_.values()) {
       if (!FactsOf(values.field).is_of_links()) continue;
       const std::string type = absl::StrCat("'", NumpyTypeOf(FactsOf(values.field).type), "'");
       members.push_back(
-          Rows(NameOf(values.field), NpyHeader(type, std::array<uint64_t, 2>{rows, columns}), values.bytes));
+          RowsMember(NameOf(values.field), NpyHeader(type, std::array<uint64_t, 2>{rows, columns}), values.bytes));
     }
   }
 
@@ -108,10 +80,10 @@ class NpzOutput final : public Output {
     const std::array steps = {basis.a, basis.b, basis.c};
     const auto doubles = [](std::vector<uint64_t> shape) { return NpyHeader("'<f8'", shape); };
     members.push_back(
-        Small("index_min", NpyHeader("'<i4'", std::array<uint64_t, 1>{3}) + BytesOf(fields_.box().low())));
-    members.push_back(Small("affine", doubles({4, 4}) + BytesOf(affine)));
-    members.push_back(Small("basis", doubles({3, 3}) + BytesOf(steps)));
-    members.push_back(Small("origin", doubles({3}) + BytesOf(origin)));
+        SmallMember("index_min", NpyHeader("'<i4'", std::array<uint64_t, 1>{3}) + RawBytes(fields_.box().low())));
+    members.push_back(SmallMember("affine", doubles({4, 4}) + RawBytes(affine)));
+    members.push_back(SmallMember("basis", doubles({3, 3}) + RawBytes(steps)));
+    members.push_back(SmallMember("origin", doubles({3}) + RawBytes(origin)));
   }
 
   std::unique_ptr<AtomicFile> file_;

@@ -16,7 +16,9 @@
 #include "client/tool/output/atomic_file.h"
 #include "client/tool/output/box_output.h"
 #include "client/tool/output/dense_output.h"
+#include "client/tool/output/hdf5_output.h"
 #include "client/tool/output/image_output.h"
+#include "client/tool/output/link_output.h"
 #include "client/tool/output/npz_output.h"
 #include "client/tool/output/page_output.h"
 #include "client/tool/output/picture_output.h"
@@ -169,6 +171,12 @@ std::unique_ptr<Output> NewPointOutput(std::unique_ptr<AtomicFile> file, const V
   return NewVtuOutput(std::move(file), request.fields);
 }
 
+template <std::unique_ptr<Output> (*new_output)(std::unique_ptr<AtomicFile>, const std::vector<Field>&)>
+std::unique_ptr<Output> NewLinkList(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request,
+                                    const OutputOptions&) {
+  return new_output(std::move(file), request.fields);
+}
+
 template <ImageFormat format>
 std::unique_ptr<Output> NewImage(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request,
                                  const OutputOptions& options) {
@@ -184,6 +192,7 @@ enum class Holds {
   kColor,
   kOne,    // one whose size does not depend on the lattice
   kFixed,  // all those
+  kLinks,  // all others, and nothing without one
   kAll,
 };
 
@@ -194,6 +203,7 @@ struct Format {
   bool is_placed = true;  // it tells where in the world the voxels are
 };
 
+constexpr char kLinksCsv[] = ".links.csv", kLinksNpz[] = ".links.npz";
 constexpr char kCsv[] = ".csv", kNpy[] = ".npy", kPly[] = ".ply", kMhd[] = ".mhd", kNiiGz[] = ".nii.gz";
 
 constexpr Format kFormats[] = {
@@ -210,14 +220,21 @@ constexpr Format kFormats[] = {
     {".vox", "MagicaVoxel", NewPlainOutput<NewVoxOutput>, Holds::kNone, /*is_placed=*/false},
     {".vti", "VTK, cells of a box", NewCellOutput, Holds::kFixed},
     {".vtu", "VTK, points", NewPointOutput, Holds::kAll},
+    {".h5", "HDF5", NewHdf5Output, Holds::kAll},
+    {kLinksCsv, "table of links", NewLinkList<NewLinkTableOutput>, Holds::kLinks},
+    {kLinksNpz, "NumPy, arrays of links", NewLinkList<NewLinkArrayOutput>, Holds::kLinks},
     {".nrrd", "NRRD", NewImage<ImageFormat::kNrrd>, Holds::kOne},
     {".mha", "MetaImage", NewImage<ImageFormat::kMetaImage>, Holds::kOne},
     {kMhd, "MetaImage with a .raw beside it", NewImage<ImageFormat::kMetaPair>, Holds::kOne},
-    {".nii", "NIfTI-1", NewImage<ImageFormat::kNifti>, Holds::kOne},
-    {kNiiGz, "NIfTI-1, compressed", NewImage<ImageFormat::kNiftiGzip>, Holds::kOne},
+    {".nii", "NIfTI", NewImage<ImageFormat::kNifti>, Holds::kOne},
+    {kNiiGz, "NIfTI, compressed", NewImage<ImageFormat::kNiftiGzip>, Holds::kOne},
 };
 
 bool CanHold(const Format& format, const std::vector<Field>& fields) {
+  if (format.holds == Holds::kLinks) {
+    const auto is_of_links = [](Field field) { return FactsOf(field).is_of_links(); };
+    return !fields.empty() && std::all_of(fields.begin(), fields.end(), is_of_links);
+  }
   if (fields.empty() || format.holds == Holds::kAll) return true;
   if (format.holds == Holds::kFixed) return !CarriesLinks(fields);
   if (format.holds == Holds::kOne) return FitsOneArray(fields);
@@ -232,7 +249,9 @@ absl::Status WrongExtension(const std::string& path, const std::vector<std::stri
 }  // namespace
 
 std::string ExtensionOf(const std::string& path) {
-  if (absl::EndsWithIgnoreCase(path, kNiiGz)) return kNiiGz;
+  for (const char* const twofold : {kNiiGz, kLinksCsv, kLinksNpz}) {
+    if (absl::EndsWithIgnoreCase(path, twofold)) return twofold;
+  }
   return absl::AsciiStrToLower(std::filesystem::path(path).extension().string());
 }
 
@@ -251,7 +270,11 @@ bool HasExtension(const std::string& path, const std::vector<std::string>& exten
 }
 
 const std::vector<std::string>& OutputExtensions() {
-  static const auto* const kExtensions = new std::vector<std::string>(ExtensionsFor({}));
+  static const auto* const kExtensions = [] {
+    auto* const extensions = new std::vector<std::string>;
+    for (const Format& format : kFormats) extensions->push_back(format.extension);
+    return extensions;
+  }();
   return *kExtensions;
 }
 

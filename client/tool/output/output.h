@@ -40,16 +40,20 @@ class Output {
 using MakePage =
     std::function<absl::StatusOr<std::string>(const GridContent& content, const std::string& title, UpAxis up)>;
 
+// Names and values of metadata, as text.
+using MetadataPairs = std::vector<std::pair<std::string, std::string>>;
+
 // Options of an output besides its extension.
 struct OutputOptions {
   bool dense_npy = false;
-  BoxShape shape = {};             // of dense arrays
-  UpAxis picture_up = UpAxis::kY;  // axis of the world that points up in a .png or .html
-  MeshNote note = {};              // of the mesh, for the metadata of grids
-  MakePage make_page = nullptr;    // of a .html, which needs it
+  BoxShape shape = {};                                   // of dense arrays
+  UpAxis picture_up = UpAxis::kY;                        // axis of the world that points up in a .png or .html
+  MeshNote note = {};                                    // of the mesh, for the metadata of grids
+  MakePage make_page = nullptr;                          // of a .html, which needs it
+  std::optional<MetadataPairs> metadata = std::nullopt;  // of a .h5, in place of request, note and summary
 };
 
-// Returns the extension, with the dot, in lower case. ".nii.gz" is one.
+// Returns the extension, with the dot, in lower case. ".nii.gz" and ".links.csv" are one.
 std::string ExtensionOf(const std::string& path);
 
 // Returns whether an array with one element per lattice point can hold the fields: none, or one that is not of links.
@@ -86,6 +90,8 @@ std::optional<Warning> WarningOfPlace(const std::vector<std::string>& paths);
 //   .html  page, as that of the .vdb
 //   .glb   surface, see client/tool/output/surface_output.h
 //   .binvox, .vox   boxes of cubes, see client/tool/output/box_output.h
+//   .h5    arrays that grow, see client/tool/output/hdf5_output.h
+//   .links.csv, .links.npz   crossed links: see client/tool/output/link_output.h
 //   .vti, .vtu   cells of a box, and points: see client/tool/output/vtk_output.h
 //   .nrrd, .mha, .mhd, .nii, .nii.gz   images in space, see client/tool/output/image_output.h
 // A request with fields needs one of ExtensionsFor: fields of links fit .csv, .npy, .npz, .ply and .vtu alone. Columns

@@ -389,8 +389,9 @@ TEST(Options, ImagesHoldOneFieldAndCellsBoxes) {
   EXPECT_EQ(Refusal({"--resolution", "9", "--fields", "part", "-o", "a.nii.gz"}), "accepted");
   EXPECT_EQ(Refusal({"--voxel-size", "1,1,2", "-o", "a.vti"}), "accepted");
   Refuses({"--resolution", "9", "--fields", "part,normal", "-o", "a.mha"},
-          {"a.mha", "part,normal", ".vdb .csv .npy .npz .ply .png .html .vti .vtu can"});
-  Refuses({"--resolution", "9", "--fields", "links", "-o", "a.vti"}, {"links", ".csv .npy .npz .ply .vtu can"});
+          {"a.mha", "part,normal", ".vdb .csv .npy .npz .ply .png .html .vti .vtu .h5 can"});
+  Refuses({"--resolution", "9", "--fields", "links", "-o", "a.vti"},
+          {"links", ".csv .npy .npz .ply .vtu .h5 .links.csv .links.npz can"});
   Refuses({"--resolution", "9", "--lattice", "bcc", "-o", "a.VTI"}, {"a.VTI", "--lattice cartesian", ".vtu"});
 }
 
@@ -424,9 +425,10 @@ TEST(Options, ABandIsInWorldUnitsOrInVoxels) {
   }
   EXPECT_THAT(Refusal({"--resolution", "9", "--signed"}), AllOf(HasSubstr("--signed"), HasSubstr("--fields distance")));
   for (const char* output : {"a.nvdb", "a.glb", "a.binvox", "a.vox"}) {
-    EXPECT_THAT(Refusal({"--resolution", "9", "--band", "1", "-o", output}),
-                HasSubstr(std::string(output) + " cannot hold distance; .vdb .csv .npy .npz .ply .png .html .vti .vtu "
-                                                ".nrrd .mha .mhd .nii .nii.gz can"));
+    EXPECT_THAT(
+        Refusal({"--resolution", "9", "--band", "1", "-o", output}),
+        HasSubstr(std::string(output) + " cannot hold distance; .vdb .csv .npy .npz .ply .png .html .vti .vtu .h5 "
+                                        ".nrrd .mha .mhd .nii .nii.gz can"));
   }
 }
 

@@ -140,13 +140,19 @@ TEST_F(Image, ComponentsOfNiftiComeOneAfterAnother) {
   }
 }
 
-TEST_F(Image, SidesOfNiftiAreLimitedBeforeTheFirstVoxel) {
-  Accepted accepted = MakeAccepted();
-  accepted.index_box->max[1] = 32768;
-  EXPECT_EQ(Fill("o.nii.gz", {}, {}, accepted),
-            absl::ResourceExhaustedError(
-                Path("o.nii.gz") + ": 32768 elements along j exceed NIfTI's 32767; .nrrd .mha .npz can hold them"));
-  EXPECT_TRUE(Names().empty());
+TEST_F(Image, ASideBeyondNifti1MakesNifti2) {
+  for (const auto& [side, bytes] : {std::pair(32767, 352), {32768, 544}}) {
+    Accepted accepted = MakeAccepted();
+    accepted.index_box->max[1] = accepted.index_box->min[1] + side;
+    ASSERT_EQ(Fill("o.nii", {}, {}, accepted), absl::OkStatus());
+    const std::string file = Read("o.nii");
+    const auto elements = static_cast<size_t>(accepted.index_box->max[0] - accepted.index_box->min[0]) *
+                          static_cast<size_t>(accepted.index_box->max[2] - accepted.index_box->min[2]);
+    EXPECT_EQ(file.size(), static_cast<size_t>(bytes) + elements * static_cast<size_t>(side));
+    int32_t header = 0;
+    std::memcpy(&header, file.data(), sizeof(header));
+    EXPECT_EQ(header, bytes - 4);
+  }
 }
 
 TEST_F(Image, WithoutABoxThereIsOneEmptyElement) {
