@@ -106,6 +106,8 @@ if(NOT latvox_sanitized)
     latvox_add_system_test(deploy.${name} "${latvox_python};deploy/${name}_test.py" FIXTURES_REQUIRED image LABELS deploy
                            RUN_SERIAL ON SKIP_RETURN_CODE 77 TIMEOUT 1800)
   endforeach()
+  latvox_add_system_test(deploy.packages "${latvox_python};deploy/packages_test.py" LABELS deploy RUN_SERIAL ON
+                         SKIP_RETURN_CODE 77 TIMEOUT 1200)
   latvox_add_system_test(deploy.scale_measure "${latvox_python};deploy/scale_measure_test.py" LABELS deploy RUN_SERIAL ON)
   latvox_add_system_test(deploy.slurm "${latvox_python};deploy/slurm_test.py" LABELS deploy RUN_SERIAL ON
                          SKIP_RETURN_CODE 77)
