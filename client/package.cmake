@@ -34,9 +34,10 @@ function(latvox_install_part PART)
       VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
   endif()
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${PART})
-  install(TARGETS ${target} EXPORT latvox_${PART})
+  install(TARGETS ${target} EXPORT latvox_${PART} COMPONENT sdk)
   latvox_install_needs(${target} $<TARGET_FILE:${target}>)
-  install(EXPORT latvox_${PART} NAMESPACE latvox:: DESTINATION ${latvox_package} FILE latvox-${PART}.cmake)
+  install(EXPORT latvox_${PART} NAMESPACE latvox:: DESTINATION ${latvox_package} FILE latvox-${PART}.cmake
+          COMPONENT sdk)
   latvox_install_pkg_config(${PART})
 endfunction()
 
@@ -52,34 +53,35 @@ function(latvox_install_pkg_config PART)
   list(JOIN ARG_REQUIRES_STATIC " " requires_static)
   list(JOIN ARG_LIBS_STATIC " " libs_static)
   configure_file(latvox.pc.in ${name}.pc @ONLY)
-  install(FILES ${CMAKE_CURRENT_BINARY_DIR}/${name}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+  install(FILES ${CMAKE_CURRENT_BINARY_DIR}/${name}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig
+          COMPONENT sdk)
 endfunction()
 
 # Installs the headers of the parts that are built, and the files for find_package(latvox).
 function(latvox_install_package)
-  install(DIRECTORY include/latvox DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} PATTERN mesh EXCLUDE
+  install(DIRECTORY include/latvox DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT sdk PATTERN mesh EXCLUDE
           PATTERN mesh_files EXCLUDE PATTERN grid EXCLUDE)
   foreach(part mesh mesh_files grid)
     if(TARGET latvox_${part})
-      install(DIRECTORY include/latvox/${part} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/latvox)
+      install(DIRECTORY include/latvox/${part} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/latvox COMPONENT sdk)
     endif()
   endforeach()
   configure_package_config_file(latvoxConfig.cmake.in ${CMAKE_CURRENT_BINARY_DIR}/latvoxConfig.cmake
                                 INSTALL_DESTINATION ${latvox_package})
   write_basic_package_version_file(${CMAKE_CURRENT_BINARY_DIR}/latvoxConfigVersion.cmake COMPATIBILITY SameMinorVersion)
   install(FILES ${CMAKE_CURRENT_BINARY_DIR}/latvoxConfig.cmake ${CMAKE_CURRENT_BINARY_DIR}/latvoxConfigVersion.cmake
-          DESTINATION ${latvox_package})
+          DESTINATION ${latvox_package} COMPONENT sdk)
 endfunction()
 
 # Installs the protocol, for programs in other languages, and what people read: pages, pictures, examples, license.
 function(latvox_install_documents)
   set(proto ${CMAKE_INSTALL_DATADIR}/latvox/proto)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/proto/latvox ${PROJECT_SOURCE_DIR}/proto/google DESTINATION ${proto}
-          FILES_MATCHING PATTERN *.proto)
-  install(FILES ${PROJECT_SOURCE_DIR}/proto/README.md DESTINATION ${proto})
-  install(DIRECTORY examples DESTINATION ${CMAKE_INSTALL_DOCDIR} USE_SOURCE_PERMISSIONS)
-  install(DIRECTORY docs/pictures DESTINATION ${CMAKE_INSTALL_DOCDIR} FILES_MATCHING PATTERN *.png)
-  install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
+          COMPONENT sdk FILES_MATCHING PATTERN *.proto)
+  install(FILES ${PROJECT_SOURCE_DIR}/proto/README.md DESTINATION ${proto} COMPONENT sdk)
+  install(DIRECTORY examples DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT sdk USE_SOURCE_PERMISSIONS)
+  install(DIRECTORY docs/pictures DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT tool FILES_MATCHING PATTERN *.png)
+  install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT license)
 
   file(RELATIVE_PATH headers /${CMAKE_INSTALL_DOCDIR} /${CMAKE_INSTALL_INCLUDEDIR})
   file(RELATIVE_PATH proto /${CMAKE_INSTALL_DOCDIR} /${proto})
@@ -99,5 +101,5 @@ function(latvox_install_documents)
   endforeach()
   add_custom_target(latvox_documents ALL DEPENDS ${made})
   latvox_install_needs(latvox_documents ${made})
-  install(FILES ${made} DESTINATION ${CMAKE_INSTALL_DOCDIR})
+  install(FILES ${made} DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT tool)
 endfunction()

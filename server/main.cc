@@ -17,6 +17,7 @@
 #include "deploy/process/exhaustion.h"
 #include "deploy/process/orderly_end.h"
 #include "server/base/log.h"
+#include "server/base/service_manager.h"
 #include "server/base/signals.h"
 #include "server/config/configuration_watch.h"
 #include "server/config/options.h"
@@ -79,7 +80,8 @@ uint64_t AddressesOfThreads(int threads) {
   return (2 * computing + kOthers) * latvox::SpareStacks(kStack);
 }
 
-int Run(const latvox::Configuration& configuration, int argc, char** argv, pid_t first_parent) {
+int Run(const latvox::Configuration& configuration, const latvox::ServiceManager& manager, int argc, char** argv,
+        pid_t first_parent) {
   const latvox::ProgramOptions& options = configuration.options;
   // A program between this process and its parent counts as the parent. Without such a program, the parent ended before
   // this process began.
@@ -96,7 +98,9 @@ int Run(const latvox::Configuration& configuration, int argc, char** argv, pid_t
   latvox::KeepHeap(latvox::kHeapOfJobs);
   RaiseFileLimit(options.exit_with_parent);
   latvox::ConfigurationWatch watch(argc, argv, configuration);
-  const auto server = latvox::VoxelServer::Start(options.server);
+  latvox::ServerOptions watched = options.server;
+  watched.alive = [&manager] { manager.Alive(); };
+  const auto server = latvox::VoxelServer::Start(watched);
   if (!server.ok()) return Fail(server.status());
   Log(LogLevel::kInfo, "started",
       {{"version", LATVOX_VERSION}, {"simd", std::string{latvox::SimdInUse()}}, {"pid", getpid()}});
@@ -106,11 +110,16 @@ int Run(const latvox::Configuration& configuration, int argc, char** argv, pid_t
     if (!address.empty()) Log(LogLevel::kInfo, event, {{"address", address}});
   }
   watch.Follow();
+  manager.Ready();
   const std::string reason = signals.Wait([&] {
-    if (!watch.Reload()) return;
-    (*server)->Reload();
-    Log(LogLevel::kInfo, "reloaded", {});
+    manager.Reloading();
+    if (watch.Reload()) {
+      (*server)->Reload();
+      Log(LogLevel::kInfo, "reloaded", {});
+    }
+    manager.Ready();
   });
+  manager.Stopping(options.grace + kLastResort);
   return StopServer(**server, signals, reason, options.grace);
 }
 
@@ -137,7 +146,8 @@ int main(int argc, char** argv) {
     std::fputs(latvox::ToToml(configuration.settings).c_str(), stdout);
     return 0;
   }
-  const int status = Run(configuration, argc, argv, parent);
+  const latvox::ServiceManager manager;
+  const int status = Run(configuration, manager, argc, argv, parent);
   latvox::StopLog();
   return status;
 }

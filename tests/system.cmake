@@ -51,6 +51,7 @@ if(NOT latvox_sanitized)
   latvox_add_system_test(e2e.examples "${latvox_python};e2e/examples_test.py")
   latvox_add_system_test(e2e.exhaustion "${latvox_python};e2e/exhaustion_test.py")
   latvox_add_system_test(e2e.far "${latvox_python};e2e/far_test.py")
+  latvox_add_system_test(e2e.service_manager "${latvox_python};e2e/service_manager_test.py")
   latvox_add_system_test(e2e.sbom "${latvox_python};e2e/sbom_test.py")
   latvox_add_system_test(e2e.texture "${latvox_python};e2e/texture_test.py")
   latvox_add_system_test(e2e.upload "${latvox_python};e2e/upload_test.py")
@@ -109,6 +110,8 @@ if(NOT latvox_sanitized)
     latvox_add_system_test(deploy.${name} "${latvox_python};deploy/${name}_test.py" FIXTURES_REQUIRED image LABELS deploy
                            RUN_SERIAL ON SKIP_RETURN_CODE 77 TIMEOUT 1800)
   endforeach()
+  latvox_add_system_test(deploy.packages "${latvox_python};deploy/packages_test.py" LABELS deploy RUN_SERIAL ON
+                         SKIP_RETURN_CODE 77 TIMEOUT 1200)
   latvox_add_system_test(deploy.scale_measure "${latvox_python};deploy/scale_measure_test.py" LABELS deploy RUN_SERIAL ON)
   latvox_add_system_test(deploy.slurm "${latvox_python};deploy/slurm_test.py" LABELS deploy RUN_SERIAL ON
                          SKIP_RETURN_CODE 77)

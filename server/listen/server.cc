@@ -341,6 +341,7 @@ void Server::Watch() {
     registry_.Oversee();
     if (absl::Now() >= next) {
       EndStalled();
+      if (options_.alive) options_.alive();
       next = absl::Now() + interval;
     }
     lock.lock();

@@ -2,6 +2,7 @@
 #ifndef LATVOX_SERVER_LISTEN_SERVER_H_
 #define LATVOX_SERVER_LISTEN_SERVER_H_
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -50,6 +51,10 @@ struct ServerOptions {
   // A connection of this age, plus or minus a tenth, takes no new calls. It closes once its calls have ended, however
   // long that takes. So clients that reconnect may find another server. 0: never.
   absl::Duration max_connection_age = absl::ZeroDuration();
+
+  // If set, called each second, or more often, by the thread that oversees the calls, until Stop has ended them. So it
+  // is not called while that thread is stuck.
+  std::function<void()> alive;
 };
 
 class VoxelServer {

@@ -12,21 +12,14 @@ import json
 import os
 import pathlib
 import resource
-import shutil
 import subprocess
-import sys
 import time
 import uuid
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "tests" / "e2e"))
+from debian_root import ROOT, STATE, await_true, bootstrap, require_programs, run, skip
 
-import harness  # noqa: E402
-
-STATE = pathlib.Path(os.environ["LATVOX_BUILD_DIR"]) / "deploy"
 BASE = "localhost/debian:bookworm-slim"
 IMAGE = "localhost/latvox"
-SKIPPED = 77
 
 # runc, because crun stops on machines with control groups of both versions. cgroupfs and no journal, because systemd
 # may not run here. No limits above those of this machine. Two folders are within graphroot, because the podman that
@@ -55,17 +48,8 @@ runroot = "{state}/run"
 """
 
 
-def skip(reason):
-    print(f"SKIPPED: {reason}", file=sys.stderr)
-    sys.exit(SKIPPED)
-
-
 def require(*programs):
-    if os.geteuid() != 0:
-        skip("containers with networks and limits of their own need root")
-    for program in ("podman", "buildah", "runc", "mmdebstrap", "ip", "nsenter", *programs):
-        if shutil.which(program) is None:
-            skip(f"{program} is not installed; deploy/install-packages deploy")
+    require_programs("deploy", "podman", "buildah", "runc", "mmdebstrap", "ip", "nsenter", *programs)
     for name, text in {"containers.conf": ENGINE, "storage.conf": STORAGE}.items():
         STATE.joinpath("work").mkdir(parents=True, exist_ok=True)
         STATE.joinpath(name).write_text(text.format(state=STATE, files=resource.getrlimit(resource.RLIMIT_NOFILE)[1]))
@@ -77,14 +61,6 @@ def require(*programs):
     done = subprocess.run(["podman", "info"], capture_output=True, text=True)
     if done.returncode != 0:
         skip(f"podman does not run here: {done.stderr.strip()}")
-
-
-def run(*command, check=True, timeout=120, **options):
-    command = [str(word) for word in command]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=timeout, stdin=subprocess.DEVNULL, **options)
-    if check and done.returncode != 0:
-        raise AssertionError(f"{' '.join(command)}: status {done.returncode}\n{done.stdout}{done.stderr}")
-    return done
 
 
 def podman(*arguments, **options):
@@ -99,33 +75,13 @@ def exists(image):
     return run("podman", "image", "exists", image, check=False).returncode == 0
 
 
-def package_sources():
-    """Returns Debian's lines among this machine's own package sources, in the form of sources.list."""
-    form = "deb $(REPO_URI) $(CODENAME) $(COMPONENT)"
-    listed = run("apt-get", "indextargets", "--format", form, "Created-By: Packages", "Origin: Debian").stdout
-    if not listed:
-        skip("apt knows no package source of Debian; apt-get update")
-    return "".join(f"{line}\n" for line in dict.fromkeys(listed.splitlines()))
-
-
 def debian(name, *options, change=()):
     """Makes an image NAME of Debian 12 from this machine's package sources. `options` are mmdebstrap's; `change` is as
     in a Dockerfile."""
     if exists(name):
         return
-    # The configuration by which this machine reaches its package sources.
-    settings = run("apt-config", "dump", "Acquire").stdout.splitlines()
-    chosen = [line for line in settings if line.lower().startswith(("acquire::http", "acquire::check"))]
-    files = {"sources": package_sources(), "apt.conf": "\n".join(chosen) + "\n"}
-    for file, text in files.items():
-        (STATE / "work" / file).write_text(text)
     tar = STATE / "work" / "base.tar"
-    with open(STATE / "work" / "sources") as sources:
-        command = ["mmdebstrap", "--quiet", "--variant=minbase", f"--aptopt={STATE / 'work' / 'apt.conf'}"]
-        command += [*options, "bookworm", tar, "-"]
-        done = subprocess.run(command, stdin=sources, capture_output=True, text=True, timeout=600)
-    if done.returncode != 0:
-        skip(f"mmdebstrap cannot fetch Debian's packages here: {done.stderr.strip()[-500:]}")
+    bootstrap(tar, *options)
     podman("import", "--quiet", *(f"--change={line}" for line in change), tar, name)
     tar.unlink()
 
@@ -175,10 +131,3 @@ class Container:
 
     def remove(self):
         run("podman", "rm", "--force", "--time", "0", "--volumes", self.id)
-
-
-def await_true(what, true, seconds=harness.PATIENCE):
-    deadline = time.monotonic() + seconds
-    while not true():
-        assert time.monotonic() < deadline, what
-        time.sleep(0.05)
