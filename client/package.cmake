@@ -70,6 +70,7 @@ function(latvox_install_package)
                                 INSTALL_DESTINATION ${latvox_package})
   write_basic_package_version_file(${CMAKE_CURRENT_BINARY_DIR}/latvoxConfigVersion.cmake COMPATIBILITY SameMinorVersion)
   install(FILES ${CMAKE_CURRENT_BINARY_DIR}/latvoxConfig.cmake ${CMAKE_CURRENT_BINARY_DIR}/latvoxConfigVersion.cmake
+          openvdb_module.cmake
           DESTINATION ${latvox_package} COMPONENT sdk)
 endfunction()
 

@@ -1,0 +1,129 @@
+"""A fresh Debian in a directory, made from the packages of this machine's own sources, with the power to start it.
+
+    bootstrap(tar, *options)   makes an archive of a fresh Debian
+    Root(directory, archive)   unpacks it; runs commands in it; starts and stops systemd in it
+"""
+
+import contextlib
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import time
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tests" / "e2e"))
+
+import harness  # noqa: E402
+
+STATE = pathlib.Path(os.environ["LATVOX_BUILD_DIR"]) / "deploy"
+RELEASE = "bookworm"
+SKIPPED = 77
+
+
+def skip(reason):
+    print(f"SKIPPED: {reason}", file=sys.stderr)
+    sys.exit(SKIPPED)
+
+
+def require_programs(group, *programs):
+    """Skips the test without root, or without one of the programs, which this group of deploy/packages has."""
+    if os.geteuid() != 0:
+        skip("containers with networks and limits of their own need root")
+    for program in programs:
+        if shutil.which(program) is None:
+            skip(f"{program} is not installed; deploy/install-packages {group}")
+
+
+def run(*command, check=True, timeout=120, **options):
+    command = [str(word) for word in command]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=timeout, stdin=subprocess.DEVNULL, **options)
+    if check and done.returncode != 0:
+        raise AssertionError(f"{' '.join(command)}: status {done.returncode}\n{done.stdout}{done.stderr}")
+    return done
+
+
+def package_sources():
+    """Returns Debian's lines among this machine's own package sources, in the form of sources.list."""
+    form = "deb $(REPO_URI) $(CODENAME) $(COMPONENT)"
+    listed = run("apt-get", "indextargets", "--format", form, "Created-By: Packages", "Origin: Debian").stdout
+    if not listed:
+        skip("apt knows no package source of Debian; apt-get update")
+    return "".join(f"{line}\n" for line in dict.fromkeys(listed.splitlines()))
+
+
+def bootstrap(tar, *options):
+    """Makes an archive of a fresh Debian from this machine's package sources. `options` are mmdebstrap's."""
+    # The configuration by which this machine reaches its package sources.
+    settings = run("apt-config", "dump", "Acquire").stdout.splitlines()
+    chosen = [line for line in settings if line.lower().startswith(("acquire::http", "acquire::check"))]
+    work = STATE / "work"
+    work.mkdir(parents=True, exist_ok=True)
+    (work / "apt.conf").write_text("\n".join(chosen) + "\n")
+    command = ["mmdebstrap", "--quiet", "--variant=minbase", f"--aptopt={work / 'apt.conf'}", *options, RELEASE, tar, "-"]
+    done = subprocess.run(command, input=package_sources(), capture_output=True, text=True, timeout=600)
+    if done.returncode != 0:
+        pathlib.Path(tar).unlink(missing_ok=True)
+        skip(f"mmdebstrap cannot fetch Debian's packages here: {done.stderr.strip()[-500:]}")
+
+
+def await_true(what, true, seconds=harness.PATIENCE):
+    deadline = time.monotonic() + seconds
+    while not true():
+        assert time.monotonic() < deadline, what
+        time.sleep(0.05)
+
+
+# Without systemd in the root: /proc and processes of its own, and this machine's network, which apt needs.
+ENTER = 'mount -t proc proc "$0/proc" && mount -t sysfs sysfs "$0/sys" && exec chroot "$0" "$@"'
+
+
+class Root:
+    def __init__(self, directory, archive):
+        self.path = pathlib.Path(directory)
+        self.path.mkdir()
+        run("tar", "--extract", "--file", archive, "--directory", self.path)
+        self.inside = None  # while systemd runs: a prefix for commands
+
+    def run(self, *command, **options):
+        enter = ["unshare", "--mount", "--pid", "--fork", "--kill-child", "sh", "-c", ENTER, self.path]
+        environment = {"PATH": "/usr/sbin:/usr/bin:/sbin:/bin", "DEBIAN_FRONTEND": "noninteractive", "LC_ALL": "C.UTF-8"}
+        return run(*(self.inside or enter), *command, env=environment, **options)
+
+    def shell(self, script, **options):
+        return self.run("bash", "-e", "-c", script, **options)
+
+    def files(self):
+        """Returns the paths of all files, except those in the kernel's own file systems."""
+        found = run("find", self.path, "-xdev", "-printf", "/%P\n", timeout=300).stdout.splitlines()
+        return {path for path in found if not path.startswith(("/proc/", "/sys/", "/dev/", "/run/", "/tmp/"))}
+
+    @contextlib.contextmanager
+    def systemd(self):
+        """Runs systemd as process 1, with a loopback network alone. Commands then run beside it."""
+        command = ["systemd-nspawn", "--quiet", "--boot", "--register=no", "--keep-unit", "--private-network"]
+        command += ["--console=pipe", f"--directory={self.path}", f"--machine=latvox-{os.getpid()}"]
+        nspawn = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+        try:
+            self.inside = ["nsenter", f"--target={self._leader(nspawn)}", "--all", "--"]
+            self.run("systemctl", "is-system-running", "--wait", check=False)
+            yield
+            self.run("systemctl", "poweroff", check=False)
+            nspawn.wait(60)
+        finally:
+            self.inside = None
+            nspawn.kill()
+            nspawn.communicate()
+
+    def _leader(self, nspawn):
+        """Waits for systemd. Skips the test if it does not come up, because machines differ in control groups."""
+        deadline = time.monotonic() + 30
+        while nspawn.poll() is None and time.monotonic() < deadline:
+            for child in pathlib.Path(f"/proc/{nspawn.pid}/task/{nspawn.pid}/children").read_text().split():
+                inside = ["nsenter", f"--target={child}", "--all", "--", "systemctl", "show-environment"]
+                if run(*inside, check=False).returncode == 0:
+                    return child
+            time.sleep(0.2)
+        nspawn.kill()
+        skip(f"systemd does not start in a container here: {nspawn.communicate()[0].decode()[-500:]}")

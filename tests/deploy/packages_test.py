@@ -1,0 +1,257 @@
+"""The Debian packages of build/packages: judged by lintian, then installed, used, upgraded, removed and purged in a fresh
+Debian, with systemd as its process 1. `tests/run --packages` makes the packages first."""
+
+import json
+import pathlib
+import re
+import shutil
+import subprocess
+import tempfile
+import unittest
+
+import debian_root
+from debian_root import ROOT, STATE, Root, await_true, run
+
+PACKAGES = ROOT / "build/packages"
+NAMES = ("latvox", "latvoxd", "liblatvox-dev", "python3-latvox")
+BUNNY = "/usr/share/glmark2/models/bunny.obj"
+ADDRESS = "127.0.0.1:50151"
+UNIT = "/usr/lib/systemd/system/latvoxd.service"
+FILES = {
+    "latvox": {"/usr/bin/latvox", "/usr/share/man/man1/latvox.1.gz", "/usr/share/bash-completion/completions/latvox",
+               "/usr/share/zsh/site-functions/_latvox", "/usr/share/fish/vendor_completions.d/latvox.fish"},
+    "latvoxd": {"/usr/bin/latvoxd", "/usr/share/man/man8/latvoxd.8.gz", UNIT, "/etc/latvox/latvoxd.toml",
+                "/usr/share/doc/latvoxd/examples/credentials.conf"},
+    "liblatvox-dev": {"/usr/include/latvox/client.h", "/usr/share/latvox/proto/latvox/v1/voxelizer.proto"},
+    "python3-latvox": {"/usr/lib/python3/dist-packages/latvox/__init__.py"},
+}  # fmt: skip
+METRICS = "import urllib.request as r; print(r.urlopen('http://127.0.0.1:9464/metrics').read().decode())"
+# What apt, dpkg, ldconfig and systemd keep for themselves after a package is gone.
+THEIRS = r"/var/(cache|log|lib/(apt|dpkg|systemd))/|/etc/(machine-id|ld\.so\.cache|\.pwd\.lock)|.*/__pycache__"
+
+
+def package(name):
+    (found,) = PACKAGES.glob(f"{name}_*.deb")
+    return found
+
+
+def fields(name):
+    """Returns the fields of a package's control file."""
+    return dict(re.findall(r"^(\S+): (.*)$", run("dpkg-deb", "--field", package(name)).stdout, re.M))
+
+
+def contents(path):
+    """Returns the paths of a package's files: path -> permissions and owner."""
+    lines = [line.split(None, 5) for line in run("dpkg-deb", "--contents", path).stdout.splitlines()]
+    return {words[5].split(" -> ")[0].removeprefix("."): (words[0], words[1]) for words in lines}
+
+
+def fresh(directory, name):
+    """Unpacks a fresh Debian with the packages in /packages."""
+    root = Root(pathlib.Path(directory) / name, STATE / f"{debian_root.RELEASE}.tar")
+    (root.path / "packages").mkdir()
+    for each in NAMES:
+        shutil.copy(package(each), root.path / "packages")
+    return root
+
+
+class Packages(unittest.TestCase):
+    def test_lintian_finds_no_error_and_no_warning(self):
+        done = run("lintian", "--allow-root", "--fail-on", "error,warning", *map(package, NAMES), check=False, timeout=300)
+        self.assertEqual((done.returncode, done.stdout), (0, ""))
+
+    def test_each_package_has_its_files_and_no_other_has_them(self):
+        found = {name: contents(package(name)) for name in NAMES}
+        for name in NAMES:
+            with self.subTest(name):
+                documents = {f"/usr/share/doc/{name}/{file}" for file in ("copyright", "changelog.gz", "changelog.Debian.gz")}
+                self.assertLessEqual(FILES[name] | documents, found[name].keys())
+                self.assertEqual({owner for _, owner in found[name].values()}, {"root/root"})
+                self.assertEqual({mode[5] + mode[8] for mode, _ in found[name].values() if mode[0] != "l"}, {"--"})
+        paths = [path for files in found.values() for path in files if not path.endswith("/")]
+        self.assertEqual(len(paths), len(set(paths)))
+
+    def test_dependencies_are_those_of_the_programs(self):
+        architecture = run("dpkg", "--print-architecture").stdout.strip()
+        facts = {name: fields(name) for name in NAMES}
+        for name, library in ("latvox", "libopenvdb"), ("latvoxd", "libgrpc++"), ("python3-latvox", "libopenvdb"):
+            self.assertRegex(facts[name]["Depends"], rf"\b{re.escape(library)}\S* \(>= ")
+        self.assertNotIn("openvdb", facts["latvoxd"]["Depends"])
+        version = facts["latvox"]["Version"]
+        self.assertEqual({each["Version"] for each in facts.values()}, {version})
+        self.assertEqual({each["Architecture"] for each in facts.values()}, {architecture})
+        self.assertIn(f"latvoxd (= {version})", facts["latvox"]["Depends"])
+        self.assertRegex(facts["python3-latvox"]["Depends"], r"python3 \(>= 3\.\d+\), python3 \(<< 3\.\d+\)")
+
+
+class InRoot(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.dir = pathlib.Path(cls.enterClassContext(tempfile.TemporaryDirectory(prefix="root-", dir=STATE / "work")))
+        cls.root = fresh(cls.dir, "debian")
+        cls.before = cls.root.files()
+        cls.root.run("apt-get", "update", "-qq")
+        cls.root.shell("apt-get install -y -qq /packages/{latvox,latvoxd,python3-latvox}_*.deb", timeout=600)
+
+
+class Installed(InRoot):
+    """Programs in use, without systemd, then the service under systemd."""
+
+    def test_files_are_as_they_were_packed(self):
+        self.assertEqual(self.root.run("dpkg", "--verify", "latvox", "latvoxd", "python3-latvox").stdout, "")
+
+    def test_the_first_command_of_the_readme_makes_its_file(self):
+        block = re.search(r"^## Three commands$.*?^```sh\n(.*?)^```", (ROOT / "README.md").read_text(), re.M | re.S)[1]
+        self.assertIn("-o bunny.vdb", block)
+        done = self.root.shell(f"cd /tmp; {block} latvox info bunny.vdb", timeout=60)
+        self.assertIn("172367", done.stdout.replace(",", ""))
+
+    def test_python_voxelizes_and_reads_foreign_files(self):
+        script = f"import latvox; v = latvox.voxelize('{BUNNY}', resolution=64); v.save('/tmp/v.vdb'); print(len(v))"
+        self.assertGreater(int(self.root.run("python3", "-c", script).stdout), 1000)
+
+    def test_the_unit_is_confined(self):
+        self.root.run("systemd-analyze", "verify", "--man=no", UNIT)
+        score = self.root.run("systemd-analyze", "security", "--offline=yes", "--no-pager", UNIT).stdout
+        exposure = float(re.search(r"Overall exposure level for latvoxd.service: (\S+)", score)[1])
+        print(f"packages: systemd-analyze security finds an exposure of {exposure}")
+        self.assertLess(exposure, 2.0)
+
+    def test_the_service_under_systemd(self):
+        with self.root.systemd():
+            for step in (self.it_serves, self.it_reloads, self.it_drains, self.it_is_watched, self.it_has_credentials):
+                with self.subTest(step.__name__):
+                    step()
+
+    def show(self, name):
+        return self.root.run("systemctl", "show", "--value", f"--property={name}", "latvoxd").stdout.strip()
+
+    def journal(self):
+        return self.root.run("journalctl", "--no-pager", "--unit=latvoxd").stdout
+
+    def drop_in(self, name, text):
+        folder = self.root.path / "etc/systemd/system/latvoxd.service.d"
+        folder.mkdir(exist_ok=True)
+        (folder / name).write_text(text)
+        self.addCleanup((folder / name).unlink)
+        self.root.shell("systemctl daemon-reload; systemctl restart latvoxd")
+
+    def it_serves(self):
+        self.root.run("systemctl", "start", "latvoxd")
+        # The mesh goes through a decoder, which confines itself beside the unit's own confinement.
+        job = ["latvox", "voxelize", BUNNY, "--resolution", "128", "--server", ADDRESS, "--upload", "draco", "-o", "/tmp/a.vdb"]
+        self.root.run(*job)
+        status = f"/proc/{self.show('MainPID')}/status"
+        uid = int(re.search(r"^Uid:\t(\d+)", self.root.run("cat", status).stdout, re.M)[1])
+        self.assertTrue(61184 <= uid <= 65519, uid)  # systemd's range for dynamic users
+        self.assertNotIn("level=warning", self.journal())
+
+    def it_reloads(self):
+        self.root.run("systemctl", "reload", "latvoxd")
+        self.assertIn("event=reloaded", self.journal())
+        self.assertEqual(self.show("ActiveState"), "active")
+
+    def it_drains(self):
+        self.drop_in("metrics.conf", "[Service]\nEnvironment=LATVOX_METRICS_LISTEN=127.0.0.1:9464\n")
+        job = f"latvox voxelize {BUNNY} --resolution 1500 --server {ADDRESS} -o /tmp/b.png --json"
+        client = subprocess.Popen([*self.root.inside, "bash", "-c", job], stdout=subprocess.PIPE, text=True)
+        self.addCleanup(client.stdout.close)
+        self.addCleanup(client.wait)
+        self.addCleanup(client.kill)
+        await_true("the job does not begin", lambda: "\nlatvox_jobs_running 1\n" in self.root.run("python3", "-c", METRICS).stdout)
+        self.root.run("systemctl", "stop", "latvoxd")
+        self.assertRegex(self.journal(), r"event=stopping reason=SIGTERM calls=1 ")
+        out, _ = client.communicate(timeout=60)
+        self.assertEqual(client.returncode, 0)
+        self.assertEqual(json.loads(out)["resumed"], 0)
+        self.assertEqual(self.show("Result"), "success")
+
+    def it_is_watched(self):
+        self.drop_in("watchdog.conf", "[Service]\nWatchdogSec=3\n")
+        first = self.show("MainPID")
+        self.root.run("bash", "-c", "sleep 5")
+        self.assertEqual(self.show("MainPID"), first, "the watchdog ends a server that lives")
+        self.root.run("kill", "-STOP", first)
+        await_true("a stuck server is not replaced", lambda: self.show("NRestarts") == "1", 30)
+        await_true("it does not start again", lambda: self.show("ActiveState") == "active", 30)
+
+    def it_has_credentials(self):
+        folder = self.root.path / "etc/latvox"
+        run("openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes", "-days", "2", "-subj",
+            "/CN=localhost", "-addext", "subjectAltName=IP:127.0.0.1", "-keyout", folder / "key.pem",
+            "-out", folder / "certificate.pem")  # fmt: skip
+        (folder / "tokens").write_text("alice 0123456789abcdef\n")
+        (folder / "token").write_text("0123456789abcdef\n")
+        for secret in ("key.pem", "tokens"):
+            (folder / secret).chmod(0o600)
+        for name in ("key.pem", "tokens", "token", "certificate.pem"):
+            self.addCleanup((folder / name).unlink)
+        self.drop_in("credentials.conf", (self.root.path / "usr/share/doc/latvoxd/examples/credentials.conf").read_text())
+        ask = f"latvox limits --server {ADDRESS} --tls-ca /etc/latvox/certificate.pem"
+        self.assertIn("max_jobs", self.root.shell(f"{ask} --token-file /etc/latvox/token").stdout)
+        refused = self.root.run("bash", "-c", ask, check=False)
+        self.assertNotEqual(refused.returncode, 0)
+        self.assertIn("token", refused.stderr)
+
+
+class Lifecycle(InRoot):
+    """Upgraded, removed and purged while the service runs."""
+
+    def test_nothing_is_left(self):
+        with self.root.systemd():
+            self.assertEqual(self.systemctl("is-enabled"), "disabled")
+            self.assertEqual(self.systemctl("is-active"), "inactive")
+            self.root.run("systemctl", "enable", "--now", "latvoxd")
+            self.upgrade()
+            self.remove()
+            self.root.shell("apt-get purge -y -qq latvox latvoxd python3-latvox; apt-get autoremove -y -qq --purge", timeout=300)
+        shutil.rmtree(self.root.path / "packages")
+        after = self.root.files()
+        self.assertEqual({path for path in after if "latvox" in path and not path.startswith("/var/log/")}, set())
+        self.assertEqual({path for path in after - self.before if not re.match(THEIRS, path)}, set())
+        self.assertEqual({path for path in self.before - after if not re.match(THEIRS, path)}, set())
+
+    def systemctl(self, question):
+        return self.root.run("systemctl", question, "latvoxd", check=False).stdout.strip()
+
+    def upgrade(self):
+        """To packages that differ by their version alone: a server that runs is a new one, and its configuration stays."""
+        settings = self.root.path / "etc/latvox/latvoxd.toml"
+        settings.write_text(settings.read_text() + "max-jobs = 7\n")
+        for name in ("latvox", "latvoxd", "python3-latvox"):
+            version, tree = fields(name)["Version"], self.dir / name
+            run("dpkg-deb", "--raw-extract", package(name), tree)
+            control = tree / "DEBIAN/control"
+            control.write_text(control.read_text().replace(version, version + "+1"))
+            run("dpkg-deb", "--build", tree, self.root.path / f"packages/new-{name}.deb")
+        first = self.root.run("systemctl", "show", "--value", "--property=MainPID", "latvoxd").stdout
+        self.root.shell("apt-get install -y -qq /packages/new-*.deb", timeout=300)
+        self.assertNotEqual(self.root.run("systemctl", "show", "--value", "--property=MainPID", "latvoxd").stdout, first)
+        self.assertEqual(self.systemctl("is-active"), "active")
+        self.assertRegex(self.root.run("latvox", "limits", "--server", ADDRESS).stdout, r"max_jobs +7\b")
+        for _ in range(2):
+            self.root.run("/var/lib/dpkg/info/latvoxd.postinst", "configure", "0")
+        self.assertEqual(self.systemctl("is-active"), "active")
+
+    def remove(self):
+        """Ends the service and keeps its configuration, with which it comes back."""
+        self.root.shell("apt-get remove -y -qq latvox latvoxd python3-latvox", timeout=300)
+        self.assertEqual(self.root.run("pgrep", "latvoxd", check=False).stdout, "")
+        self.assertIn("max-jobs = 7", (self.root.path / "etc/latvox/latvoxd.toml").read_text())
+        self.root.shell("apt-get install -y -qq /packages/new-*.deb; systemctl start latvoxd", timeout=300)
+        self.assertRegex(self.root.run("latvox", "limits", "--server", ADDRESS).stdout, r"max_jobs +7\b")
+
+
+def prepare():
+    debian_root.require_programs("package", "mmdebstrap", "lintian", "systemd-nspawn", "nsenter", "unshare", "openssl")
+    if len(list(PACKAGES.glob("*.deb"))) != len(NAMES):
+        debian_root.skip("there are no packages: deploy/packaging/build makes them")
+    archive = STATE / f"{debian_root.RELEASE}.tar"
+    (STATE / "work").mkdir(parents=True, exist_ok=True)
+    if not archive.exists():
+        debian_root.bootstrap(archive, "--include=systemd,systemd-sysv,dbus,glmark2-data,procps")
+
+
+if __name__ == "__main__":
+    prepare()
+    unittest.main()
