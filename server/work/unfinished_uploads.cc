@@ -13,10 +13,10 @@
 namespace latvox {
 namespace {
 
-constexpr absl::Duration kRetryDelay = absl::Seconds(1);
+constexpr absl::Duration kUploadRetryDelay = absl::Seconds(1);
 
 // Smaller pieces are copied, so that a mesh sent byte by byte costs no more memory than its bytes.
-constexpr size_t kSmallPiece = size_t{64} << 10;
+constexpr size_t kSmallMeshPiece = size_t{64} << 10;
 
 // As in a stream, a trickle of bytes is no progress.
 constexpr double kLeastBytesPerMillisecond = 1;
@@ -32,7 +32,7 @@ absl::Status TooMany(const char* field, absl::string_view what, uint64_t value, 
   return WithRetry(MakeError(absl::StatusCode::kResourceExhausted,
                              absl::StrCat(field, ": ", value, what, " exceed ", limit, "; try again"),
                              {"TOO_MANY_UPLOADS", field, absl::StrCat(value), absl::StrCat(limit), limit_name}),
-                   kRetryDelay);
+                   kUploadRetryDelay);
 }
 
 // Returns the number of the piece's bytes that have come before. Precondition: offset is not beyond `bytes`.
@@ -104,7 +104,7 @@ absl::StatusOr<std::optional<UnfinishedUploads::Progress>> UnfinishedUploads::Ap
     upload = std::make_shared<Upload>(Upload{client, mesh, {}, {}, MemoryReservation(memory_, client), now});
   }
   if (status = upload->memory.Grow(size); !status.ok()) return status;
-  piece.size() < kSmallPiece ? upload->bytes.Append(absl::string_view(piece)) : upload->bytes.Append(std::move(piece));
+  piece.size() < kSmallMeshPiece ? upload->bytes.Append(absl::string_view(piece)) : upload->bytes.Append(std::move(piece));
   if (known.raw_mesh) upload->raw_mesh.emplace(*known.raw_mesh);
   if (found == uploads_.end()) {
     uploads_.push_front(upload);

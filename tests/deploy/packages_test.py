@@ -91,7 +91,8 @@ class InRoot(unittest.TestCase):
         cls.root = fresh(cls.dir, "debian")
         cls.before = cls.root.files()
         cls.root.run("apt-get", "update", "-qq")
-        cls.root.shell("apt-get install -y -qq /packages/{latvox,latvoxd,python3-latvox}_*.deb", timeout=600)
+        # Recommended packages of libraries would stay, because others suggest them.
+        cls.root.shell("apt-get install -y -qq --no-install-recommends /packages/{latvox,latvoxd,python3-latvox}_*.deb", timeout=600)
 
 
 class Installed(InRoot):
@@ -204,7 +205,8 @@ class Lifecycle(InRoot):
             self.root.run("systemctl", "enable", "--now", "latvoxd")
             self.upgrade()
             self.remove()
-            self.root.shell("apt-get purge -y -qq latvox latvoxd python3-latvox; apt-get autoremove -y -qq --purge", timeout=300)
+            self.root.shell("apt-get purge -y -qq latvox latvoxd python3-latvox; apt-get autoremove -y -qq --purge "
+                            "-o APT::AutoRemove::SuggestsImportant=false", timeout=300)
         shutil.rmtree(self.root.path / "packages")
         after = self.root.files()
         self.assertEqual({path for path in after if "latvox" in path and not path.startswith("/var/log/")}, set())
