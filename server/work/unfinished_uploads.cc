@@ -104,7 +104,8 @@ absl::StatusOr<std::optional<UnfinishedUploads::Progress>> UnfinishedUploads::Ap
     upload = std::make_shared<Upload>(Upload{client, mesh, {}, {}, MemoryReservation(memory_, client), now});
   }
   if (status = upload->memory.Grow(size); !status.ok()) return status;
-  piece.size() < kSmallMeshPiece ? upload->bytes.Append(absl::string_view(piece)) : upload->bytes.Append(std::move(piece));
+  piece.size() < kSmallMeshPiece ? upload->bytes.Append(absl::string_view(piece))
+                                 : upload->bytes.Append(std::move(piece));
   if (known.raw_mesh) upload->raw_mesh.emplace(*known.raw_mesh);
   if (found == uploads_.end()) {
     uploads_.push_front(upload);
