@@ -86,15 +86,15 @@ class Leftovers(Case):
             self.addCleanup(process.kill)
             self.addCleanup(process.stdin.close)
         deadline = time.monotonic() + harness.PATIENCE
-        while len(list(self.runtime.iterdir())) < 2:
+        while len(list(self.runtime.iterdir())) < 4:  # a directory of its file, and one of its server, each
             self.assertLess(time.monotonic(), deadline)
             time.sleep(0.01)
         time.sleep(0.5)  # both have their locks
         dead.kill()
         dead.wait()
-        self.assertEqual(len(list(self.runtime.iterdir())), 2)
+        self.assertEqual(len(list(self.runtime.iterdir())), 4)
         self.assertEqual(self.start("limits", stdout=subprocess.DEVNULL).wait(harness.PATIENCE), 0)
-        self.assertEqual(len(list(self.runtime.iterdir())), 1)
+        self.assertEqual(len(list(self.runtime.iterdir())), 2)
 
     def test_a_killed_batch_leaves_nothing_after_its_resumption(self):
         jobs = self.dir / "jobs.jsonl"

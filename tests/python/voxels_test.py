@@ -123,8 +123,10 @@ def test_nothing_is_an_answer_too():
 @pytest.mark.parametrize("extension", [each for each in latvox.EXTENSIONS if each != ".png"])  # below
 def test_save_writes_what_the_tool_writes(extension, tool, tmp_path):
     mesh = write_obj(tmp_path / "mesh.obj", box([0] * 3, [1] * 3))
-    path, _ = tool.voxelize(mesh, "--resolution", 12, out=f"tool{extension}")
-    v = latvox.voxelize(mesh, resolution=12)
+    fields = {"fields": "links"} if extension.startswith(".links.") else {}
+    words = [word for name, value in fields.items() for word in (f"--{name}", value)]
+    path, _ = tool.voxelize(mesh, "--resolution", 12, *words, out=f"tool{extension}")
+    v = latvox.voxelize(mesh, resolution=12, **fields)
     saved = tmp_path / "own" / path.name  # a .mhd names its .raw
     saved.parent.mkdir()
     v.save(saved)

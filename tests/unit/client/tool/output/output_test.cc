@@ -50,14 +50,21 @@ class OutputFile : public FilesTest {
     const MakePage page = [](const GridContent& content, const std::string& title, UpAxis up) {
       return absl::StrCat(title, ", ", content.file.info.active_voxels, " voxels", up == UpAxis::kZ ? ", z up" : "");
     };
-    auto output = OpenOutput(Path(name), {}, {.picture_up = UpAxis::kZ, .make_page = page});
-    EXPECT_TRUE(output.ok()) << output.status();
+    VoxelizeRequest request;
+    std::vector<FieldValues> values;
     Accepted accepted = MakeAccepted();
+    if (name.find(".links.") != std::string::npos) {  // a crossing in each voxel
+      request.fields = {Field::kLinkCrossings};
+      accepted.neighbors = {{1, 0, 0}};
+      values = {{Field::kLinkCrossings, std::vector<std::byte>(3 * sizeof(uint32_t), std::byte{1}), 1}};
+    }
+    auto output = OpenOutput(Path(name), request, {.picture_up = UpAxis::kZ, .make_page = page});
+    EXPECT_TRUE(output.ok()) << output.status();
     if (name.ends_with("vox") || name.ends_with("vti"))
       accepted.grid.basis = {{0.2, 0, 0}, {0, 0.2, 0}, {0, 0, 0.2}};  // formats of cubes
     EXPECT_TRUE((*output)->Begin(accepted).ok());
     const std::vector<Brick> bricks = MakeBricks();
-    EXPECT_TRUE((*output)->Add({bricks, 1}).ok());
+    EXPECT_TRUE((*output)->Add({bricks, 1, values}).ok());
     EXPECT_TRUE((*output)->Finish({}).ok());
     return *std::move(output);
   }
