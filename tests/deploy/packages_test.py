@@ -27,7 +27,7 @@ FILES = {
 }  # fmt: skip
 METRICS = "import urllib.request as r; print(r.urlopen('http://127.0.0.1:9464/metrics').read().decode())"
 # What apt, dpkg, ldconfig and systemd keep for themselves after a package is gone.
-THEIRS = r"/var/(cache|log|lib/(apt|dpkg|systemd))/|/etc/(machine-id|ld\.so\.cache|\.pwd\.lock)|.*/__pycache__"
+THEIRS = r"/var/(cache|log|lib/(apt|dbus|dpkg|systemd))/|/etc/(machine-id|ld\.so\.cache|\.pwd\.lock)|.*/__pycache__"
 
 
 def package(name):
@@ -208,10 +208,11 @@ class Lifecycle(InRoot):
             self.root.shell("apt-get purge -y -qq latvox latvoxd python3-latvox; apt-get autoremove -y -qq --purge "
                             "-o APT::AutoRemove::SuggestsImportant=false", timeout=300)
         shutil.rmtree(self.root.path / "packages")
+        before = {path for path in self.before if not path.startswith("/packages")}
         after = self.root.files()
         self.assertEqual({path for path in after if "latvox" in path and not path.startswith("/var/log/")}, set())
-        self.assertEqual({path for path in after - self.before if not re.match(THEIRS, path)}, set())
-        self.assertEqual({path for path in self.before - after if not re.match(THEIRS, path)}, set())
+        self.assertEqual({path for path in after - before if not re.match(THEIRS, path)}, set())
+        self.assertEqual({path for path in before - after if not re.match(THEIRS, path)}, set())
 
     def systemctl(self, question):
         return self.root.run("systemctl", question, "latvoxd", check=False).stdout.strip()
