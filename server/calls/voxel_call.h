@@ -94,7 +94,7 @@ class VoxelCall : public MeshCall {
   size_t unwritten_bytes_ = 0;  // of outbox_ and writing_message_
   size_t writing_bytes_ = 0;    // of writing_message_
   uint64_t answer_bytes_ = 0;   // of all messages so far
-  uint64_t bytes_out_ = 0;      // of those that were written
+  uint64_t bytes_out_ = 0;      // of the messages that were written
   bool decoding_ = false, writing_ = false;
   bool paused_ = false;                      // has no turn, and does not await one yet
   bool measured_ = false, started_ = false;  // Computation::Measure, Start has been called; of the tasks

@@ -213,7 +213,7 @@ void Server::AddMetrics() {
   add("latvox_memory_limit_bytes", "Memory that the process stays below.", [this] { return options_.memory_bytes; });
   add("latvox_memory_budget_bytes", "Memory that jobs may reserve, of that.", [this] { return memory_.total(); });
   add("latvox_memory_reserved_bytes", "Memory that jobs have reserved.", [this] { return memory_.reserved(); });
-  add("latvox_unfinished_upload_bytes", "Meshes of which UploadMesh has brought only a part.",
+  add("latvox_unfinished_upload_bytes", "Bytes of meshes that UploadMesh has not completed yet.",
       [this] { return uploads_.bytes(); });
   add("latvox_mesh_store_bytes", "Meshes that are kept, encoded and decoded.", [this] { return meshes_.bytes(); });
   add("latvox_decoder_processes", "Processes that decode meshes.", [this] { return decoders_->facts().processes; });
