@@ -144,15 +144,8 @@ absl::Status PrivateServer::MakeDirectory() {
 
 absl::Status PrivateServer::Spawn(const PrivateServerOptions& options) {
   program_ = FindProgram(options.program);
-  std::vector<std::string> words = {program_,
-                                    "--listen",
-                                    address(),
-                                    "--parent-pid",
-                                    absl::StrCat(getpid()),
-                                    "--exit-with-parent",
-                                    "--decoders-on-demand",
-                                    "--log-level",
-                                    "warning"};
+  std::vector<std::string> words = {program_, "--listen", address(), "--parent-pid", absl::StrCat(getpid())};
+  words.insert(words.end(), {"--exit-with-parent", "--decoders-on-demand", "--log-level", "warning"});
   if (options.threads) {
     words.push_back("--threads");
     words.push_back(absl::StrCat(*options.threads));

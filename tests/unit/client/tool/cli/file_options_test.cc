@@ -1,0 +1,94 @@
+// The command line: files and their shapes.
+#include <gmock/gmock.h>
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tests/unit/client/tool/cli/parsed.h"
+
+namespace latvox::client {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+TEST(FileOptions, AnOutputThatIsNotGivenHasTheMeshsName) {
+  const auto parse = [](std::vector<std::string> words) {
+    CommandParser parser;
+    VoxelizeWords voxelize;
+    AddVoxelizeOptions(parser, voxelize);
+    parser.Parse(std::move(words));
+    return Interpret(voxelize);
+  };
+  EXPECT_THAT(parse({"folder/mesh.tar.obj"}).outputs, ElementsAre("mesh.tar.vdb"));
+  EXPECT_THAT(parse({"folder/mesh.obj.gz"}).outputs, ElementsAre("mesh.vdb"));
+  EXPECT_THAT(parse({"a.obj", "b.obj"}).outputs, ElementsAre("a.vdb"));
+  EXPECT_THAT(parse({"a.obj", "--json"}).outputs, ElementsAre());
+  EXPECT_THAT(parse({"a.obj", "--verify"}).outputs, ElementsAre());
+  EXPECT_EQ(parse({"a.obj"}).standard_output, std::nullopt);
+  const VoxelizeOptions standard = parse({"a.obj", "-o", "b.vdb", "-o", "-", "--output-format", "CSV"});
+  EXPECT_EQ(standard.standard_output, 1u);
+  EXPECT_THAT(standard.outputs, ElementsAre("b.vdb", "-.csv"));
+}
+
+TEST(FileOptions, RefusalsOfOutputsNameWhatIsWrong) {
+  EXPECT_THAT(RefusalOfAll({"voxelize", "-"}), HasSubstr("--out is required: a mesh from standard input has no name"));
+  EXPECT_THAT(RefusalOfAll({"voxelize", "a.obj", "--output-format", "csv"}),
+              HasSubstr("--output-format: csv needs -o -"));
+  EXPECT_THAT(RefusalOfAll({"voxelize", "a.obj", "-o", "-", "-o", "-"}), HasSubstr("- is given twice"));
+  EXPECT_THAT(RefusalOfAll({"voxelize", "a.obj", "-o", "-", "--json"}),
+              HasSubstr("--json cannot be combined with -o -"));
+}
+
+TEST(FileOptions, RefusalsOfFilesNameOptionValueAndLimit) {
+  Refuses({"--resolution", "9", "--up-axis", "w"}, {"--up-axis", "w", "x, y"});
+  Refuses({"--resolution", "9", "--scale", "-1"}, {"--scale", "-1", "above 0"});
+  Refuses({"--resolution", "9", "--input-format", "fbx"}, {"--input-format", "fbx", "3mf"});
+  Refuses({"--resolution", "9", "--npy", "sparse"}, {"--npy", "sparse", "dense"});
+  Refuses({"--resolution", "9", "--npy", "dense"}, {"--npy", "dense", "--out"});
+  Refuses({"--resolution", "9", "-", "-"}, {"-", "twice"});
+  for (const char* path : {"a.vox", "a.BINVOX"}) {
+    Refuses({"--resolution", "9", "--lattice", "bcc", "-o", path}, {"--out", path, "--lattice cartesian"});
+    Refuses({"--voxel-size", "1,1,2", "-o", path}, {"--out", path, "--lattice cartesian"});
+    Refuses({"--basis", "1,0,0,0,1,0,0,1,1", "-o", path}, {"--out", path, "--lattice cartesian"});
+    EXPECT_EQ(Refusal({"--basis", "2,0,0,0,2,0,0,0,2", "-o", path}), "accepted");
+  }
+  Refuses({"--resolution", "9", "-o", "a.xyz"}, {"a.xyz", ".vdb"});
+  Refuses({"--resolution", "9", "-o", "./out.vdb"}, {"out.vdb", "twice"});
+}
+
+TEST(FileOptions, ShapesNeedAnArrayWithAShape) {
+  const VoxelizeOptions options = Parse({"--dims", "64,48,40", "--pad", "3", "-o", "a.nrrd"});
+  EXPECT_EQ(options.output_options.shape, (BoxShape{.pad = 3, .dims = Vec3i{64, 48, 40}}));
+  EXPECT_EQ(options.request.resolution, 34U);
+  EXPECT_EQ(Parse({"--dims", "64,48,40", "--voxel-size", "1", "-o", "a.nii.gz"}).request.resolution, std::nullopt);
+  EXPECT_EQ(Parse({"--pad", "1", "-o", "a.npy", "--npy", "dense"}).request.resolution, 256U);
+  Refuses({"--dims", "9,9"}, {"--dims", "9,9", "3 whole numbers"});
+  Refuses({"--dims", "9,0,9"}, {"--dims", "9,0,9", "from 1 to 1048576"});
+  Refuses({"--pad", "-1"}, {"--pad", "-1", "0 to 65536"});
+  Refuses({"--dims", "9,9,9", "--pad", "4", "-o", "a.npz"}, {"--dims", "9,9,9", "leaves 1", "least is 2"});
+  Refuses({"--dims", "9,9,9", "-o", "a.npy"}, {"--dims", "needs an output", ".nrrd", "--npy dense"});
+  Refuses({"--pad", "1", "-o", "a.csv"}, {"--pad", ".npz", ".vti"});
+}
+
+TEST(FileOptions, ImagesHoldOneFieldAndCellsBoxes) {
+  EXPECT_EQ(Refusal({"--resolution", "9", "--fields", "part", "-o", "a.nii.gz"}), "accepted");
+  EXPECT_EQ(Refusal({"--voxel-size", "1,1,2", "-o", "a.vti"}), "accepted");
+  Refuses({"--resolution", "9", "--fields", "part,normal", "-o", "a.mha"},
+          {"a.mha", "part,normal", ".vdb .csv .npy .npz .ply .png .html .vti .vtu .h5 can"});
+  Refuses({"--resolution", "9", "--fields", "links", "-o", "a.vti"},
+          {"links", ".csv .npy .npz .ply .vtu .h5 .links.csv .links.npz can"});
+  Refuses({"--resolution", "9", "--lattice", "bcc", "-o", "a.VTI"}, {"a.VTI", "--lattice cartesian", ".vtu"});
+}
+
+// Otherwise a mesh that follows would be overwritten.
+TEST(FileOptions, AnOutputIsOneWord) {
+  const VoxelizeOptions options = Parse({"-o", "b.csv", "b.obj", "--out", "c.csv", "c.obj", "--resolution", "9"});
+  EXPECT_THAT(options.outputs, ElementsAre("out.vdb", "b.csv", "c.csv"));
+  EXPECT_THAT(options.mesh.paths, ElementsAre("mesh.obj", "b.obj", "c.obj"));
+}
+
+}  // namespace
+}  // namespace latvox::client
