@@ -20,6 +20,7 @@
 #include "tests/unit/core/distance.h"
 #include "tests/unit/core/exact.h"
 #include "tests/unit/core/fields.h"
+#include "tests/unit/core/fields/field_oracle.h"
 #include "tests/unit/core/sphere.h"
 #include "tests/unit/dose.h"
 
@@ -34,123 +35,6 @@ constexpr FieldList kAll{Field::kPart,     Field::kMaterial, Field::kColor, Fiel
 
 Carried CarriedBy(const Result& result, const FieldList& fields) { return FieldsByVoxel(result.tiles, fields); }
 
-// The expected nearest triangle of a voxel.
-struct Answer {
-  Rational square = -1;                // as Inner
-  std::vector<uint32_t> numbers = {};  // of the mesh's fields
-  uint32_t triangle = 0;
-  std::optional<RationalVec> weights = std::nullopt;  // of the corners in the nearest point; absent without an area
-  bool tied = false;                                  // several triangles are at the same distance
-};
-
-// The weights of the corners in the point of a triangle with an area that is nearest. It is unique.
-RationalVec WeightsOf(const Mat<int64_t, 3>& g, const Vec3i& point, const Triangle& corners) {
-  const RationalVec e = Difference(corners[1], corners[0]), f = Difference(corners[2], corners[0]);
-  const RationalVec d = Difference(point, corners[0]);
-  const Rational ee = Inner(g, e, e), ef = Inner(g, e, f), ff = Inner(g, f, f), det = ee * ff - ef * ef;
-  const Rational de = Inner(g, d, e), df = Inner(g, d, f);
-  const Rational s = (ff * de - ef * df) / det, t = (ee * df - ef * de) / det;
-  if (s >= 0 && t >= 0 && s + t <= 1) return {1 - s - t, s, t};
-  Rational least = -1;
-  RationalVec weights;
-  for (size_t n = 0; n < 3; ++n) {
-    const size_t next = (n + 1) % 3;
-    const RationalVec edge = Difference(corners[next], corners[n]), from = Difference(point, corners[n]);
-    const Rational share = std::clamp(Rational(Inner(g, from, edge) / Inner(g, edge, edge)), Rational(0), Rational(1));
-    RationalVec rest;
-    for (size_t m = 0; m < 3; ++m) rest[m] = from[m] - share * edge[m];
-    const Rational square = Inner(g, rest, rest);
-    if (least >= 0 && square >= least) continue;
-    least = square;
-    weights = {0, 0, 0};
-    weights[n] = 1 - share;
-    weights[next] = share;
-  }
-  return weights;
-}
-
-class Oracle {
- public:
-  Oracle(const TriangleMesh& mesh, const Lattice& lattice, uint32_t count)
-      : g_(MakeMetric(lattice).value().g),
-        mesh_(Snap(mesh, lattice, {0, 0, 0}, {2, 2, 2}).value()),
-        numbers_(mesh.attributes),
-        count_(count) {
-    for (const auto& [a, b, c] : mesh_.triangles) {
-      longest_.push_back(std::max(Distance(At(a), At(b)), Distance(At(a), At(c))));
-    }
-  }
-
-  Answer At(const Vec3i& ijk) const {
-    const Vec3i point = (ijk - mesh_.base_ijk) * kLatticeUnit;
-    Rational nearest_corner = -1;
-    Answer answer;
-    bool has_area = false;
-    double least = std::numeric_limits<double>::infinity();  // of distances to first corners
-    for (const auto& vertices : mesh_.triangles) least = std::min(least, Distance(point, At(vertices[0])));
-    for (uint32_t t = 0; t < mesh_.triangles.size(); ++t) {
-      const auto& vertices = mesh_.triangles[t];
-      if (Distance(point, At(vertices[0])) - longest_[t] > 1.001 * least) continue;  // only saves time
-      const Triangle triangle = CornersOf(t);
-      const Rational square = SquareTo(g_, point, triangle);
-      if (answer.square >= 0 && square > answer.square) continue;
-      const bool first = answer.square < 0 || square < answer.square;
-      answer.tied = !first;
-      if (first) nearest_corner = -1;
-      answer.square = square;
-      if (first || (!has_area && HasArea(triangle))) {
-        answer.triangle = t;
-        has_area = HasArea(triangle);
-        answer.weights = has_area ? std::optional(WeightsOf(g_, point, triangle)) : std::nullopt;
-      }
-      AddNumbers(point, vertices, nearest_corner, answer);
-    }
-    return answer;
-  }
-
-  Triangle CornersOf(uint32_t t) const {
-    const auto& [a, b, c] = mesh_.triangles[t];
-    return {At(a), At(b), At(c)};
-  }
-  static bool HasArea(const Triangle& triangle) {
-    const Vec3i e = triangle[1] - triangle[0], f = triangle[2] - triangle[0];
-    return Cross(Vec<int64_t, 3>{e[0], e[1], e[2]}, {f[0], f[1], f[2]}) != Vec<int64_t, 3>{};
-  }
-
- private:
-  void AddNumbers(const Vec3i& point, const std::array<uint32_t, 3>& vertices, Rational& nearest_corner,
-                  Answer& answer) const {
-    for (const uint32_t vertex : vertices) {
-      const RationalVec d = Difference(point, At(vertex));
-      const Rational to_corner = Inner(g_, d, d);
-      if (nearest_corner >= 0 && to_corner > nearest_corner) continue;
-      const std::span<const uint32_t> offered = std::span(numbers_).subspan(size_t{vertex} * count_, count_);
-      if (nearest_corner < 0 || to_corner < nearest_corner) {
-        answer.numbers.assign(offered.begin(), offered.end());
-      } else {
-        for (size_t n = 0; n < count_; ++n) answer.numbers[n] = std::min(answer.numbers[n], offered[n]);
-      }
-      nearest_corner = to_corner;
-    }
-  }
-
-  const Vec3i& At(uint32_t vertex) const { return mesh_.vertices_lat[vertex]; }
-  double Distance(const Vec3i& a, const Vec3i& b) const {
-    const Vec3d d = ToDouble(b - a);
-    double square = 0;
-    for (size_t r = 0; r < 3; ++r) {
-      for (size_t c = 0; c < 3; ++c) square += d[r] * static_cast<double>(g_[c][r]) * d[c];
-    }
-    return std::sqrt(square);
-  }
-
-  const Mat<int64_t, 3> g_;
-  const SnappedMesh mesh_;
-  const std::vector<uint32_t> numbers_;
-  const uint32_t count_;
-  std::vector<double> longest_;  // of each triangle: the farther corner from the first
-};
-
 // Whether no other float lies between the value and the exact one.
 void ExpectNextTo(float value, long double exact) {
   EXPECT_LT(std::nextafter(value, -INFINITY), exact * (1 + 1e-15L) + 1e-30L);
@@ -158,7 +42,7 @@ void ExpectNextTo(float value, long double exact) {
 }
 
 void ExpectNormal(const std::array<float, 3>& normal, const Triangle& corners, const Lattice& lattice) {
-  if (!Oracle::HasArea(corners)) {
+  if (!FieldOracle::HasArea(corners)) {
     EXPECT_EQ(normal, (std::array<float, 3>{}));
     return;
   }
@@ -180,7 +64,8 @@ void ExpectNormal(const std::array<float, 3>& normal, const Triangle& corners, c
 }
 
 // `found`: for kAll.
-void ExpectVoxel(const VoxelFields& found, const Answer& answer, const Oracle& oracle, const Lattice& lattice) {
+void ExpectVoxel(const VoxelFields& found, const FieldAnswer& answer, const FieldOracle& oracle,
+                 const Lattice& lattice) {
   EXPECT_EQ(NumbersOf<uint32_t>(found[0])[0], answer.numbers[0]);
   EXPECT_EQ(NumbersOf<uint32_t>(found[1])[0], answer.numbers[1]);
   const auto color = NumbersOf<uint8_t, 3>(found[2]);
@@ -239,14 +124,14 @@ TriangleMesh Tetrahedra(size_t count, int64_t step, const Lattice& lattice, std:
 size_t ExpectExact(const TriangleMesh& mesh, const Lattice& lattice, VoxelizeOptions options) {
   options.fields = kAll;
   const Result result = Voxelize(mesh, Unscaled(lattice), options);
-  const Oracle oracle(mesh, lattice, 3);
+  const FieldOracle oracle(mesh, lattice, 3);
   size_t tied = 0;
   const Carried carried = CarriedBy(result, kAll);
   EXPECT_EQ(carried.size(), result.totals.voxels);
   EXPECT_GT(carried.size(), 3U);
   for (const auto& [ijk, found] : carried) {
     SCOPED_TRACE(testing::Message() << ijk[0] << ' ' << ijk[1] << ' ' << ijk[2]);
-    const Answer answer = oracle.At(ijk);
+    const FieldAnswer answer = oracle.At(ijk);
     ExpectVoxel(found, answer, oracle, lattice);
     tied += answer.tied ? 1 : 0;
   }
