@@ -83,5 +83,5 @@ foreach(test plane_call_test client_failover_test client_private_server_test)
 endforeach()
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(zstd REQUIRED IMPORTED_TARGET libzstd)
-latvox_add_test(brick_codec_test SOURCES unit/both_ends/brick_codec_test.cc
+latvox_add_test(brick_codec_test SOURCES unit/both_ends/brick_batch_test.cc unit/both_ends/brick_codec_test.cc
                 LIBRARIES latvox::client latvox::server PkgConfig::zstd GTest::gmock)

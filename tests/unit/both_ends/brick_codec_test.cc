@@ -13,12 +13,10 @@
 #include <string>
 #include <vector>
 
-#include "core/lattice/grid.h"
-#include "core/snap/mesh_range.h"
 #include "core/voxelizer/voxelizer.h"
 #include "latvox/for_each_voxel.h"
-#include "server/wire/brick_batch.h"
 #include "server/wire/brick_codec.h"
+#include "tests/unit/both_ends/bricks.h"
 #include "tests/unit/dose.h"
 
 namespace latvox {
@@ -40,13 +38,6 @@ std::vector<UnpackKernel> UnpackKernels() {
 }
 
 std::string Bytes(std::initializer_list<int> bytes) { return {bytes.begin(), bytes.end()}; }
-
-bool Has(const BrickMask& mask, int x, int y, int z) { return mask[x] >> (8 * y + z) & 1; }
-
-BrickMask With(int x, int y, int z, BrickMask mask = {}) {
-  mask[x] |= uint64_t{1} << (8 * y + z);
-  return mask;
-}
 
 // The contract's octree by its definition. Returns whether the cube of `side` at (x, y, z) holds a cell. Adds to
 // levels[0..2] a byte for each node with a cell. The recursion brings the bytes of a level in Morton order.
@@ -70,34 +61,11 @@ std::string OctreeOf(const BrickMask& mask) {
   return levels[0] + levels[1] + levels[2];
 }
 
-// Returns a tile with bricks at the places `which`, all with this mask.
-TileBricks TileWith(const Vec3i& tile_ijk, const BrickMask& which, const BrickMask& mask) {
-  TileBricks tile{tile_ijk, {}};
-  for (int n = 0; n < 512; ++n) {
-    const Vec3i place{n >> 6, n >> 3 & 7, n & 7};
-    if (Has(which, place[0], place[1], place[2])) tile.bricks.push_back({tile_ijk * 8 + place, mask});
-  }
-  return tile;
-}
-
 std::string Pack(const std::vector<TileBricks>& tiles, PackKernel kernel = BestPackKernel()) {
   std::vector<uint8_t> packed(tiles.size() * kMaxPackedTileBytes);
   uint8_t* end = packed.data();
   for (const TileBricks& tile : tiles) end = PackTile(tile, end, kernel);
   return {packed.data(), end};
-}
-
-void ExpectSame(const std::vector<client::Brick>& bricks, const std::vector<TileBricks>& tiles) {
-  size_t n = 0;
-  for (const TileBricks& tile : tiles) {
-    for (const Brick& brick : tile.bricks) {
-      ASSERT_LT(n, bricks.size());
-      ASSERT_EQ(bricks[n].brick_ijk, brick.brick_ijk);
-      ASSERT_EQ(bricks[n].mask, brick.mask);
-      ++n;
-    }
-  }
-  ASSERT_EQ(n, bricks.size());
 }
 
 // Every kernel packs the tiles to the bytes of the format, and unpacks these to the tiles.
@@ -119,21 +87,6 @@ void ExpectRoundTrip(const std::vector<TileBricks>& tiles) {
     ASSERT_EQ(UnpackBricks(wanted, bricks, kernel), absl::OkStatus());
     ExpectSame(bricks, tiles);
   }
-}
-
-// Returns a tile like the first one of a request: a curved surface through at most 512 bricks.
-TileBricks CurvedTile() {
-  TileBricks tile{{3, -7, 11}, {}};
-  for (int n = 0; n < 512; ++n) {
-    Brick brick{tile.tile_ijk * 8 + Vec3i{n >> 6, n >> 3 & 7, n & 7}, {}};
-    for (int v = 0; v < 512; ++v) {
-      const int x = (n >> 6) * 8 + (v >> 6), y = (n >> 3 & 7) * 8 + (v >> 3 & 7), z = (n & 7) * 8 + (v & 7);
-      const int distance = x * x + y * y + z * z - 60 * 60;
-      if (distance >= 0 && distance < 120) brick.mask = With(v >> 6, v >> 3 & 7, v & 7, brick.mask);
-    }
-    if (CountVoxels(brick.mask) != 0) tile.bricks.push_back(brick);
-  }
-  return tile;
 }
 
 TEST(PackedFormat, IsTheContractsExampleByteForByte) {
@@ -369,158 +322,6 @@ TEST(Zstd, RefusesFramesThatAreNotWhatTheySay) {
   ASSERT_LT(bomb.size(), 1u << 16);
   EXPECT_FALSE(Decompress(bomb, 1 << 20, client::kMaxPackedBytes, out).ok());
   EXPECT_LE(out.capacity(), 2u << 20);
-}
-
-// Passes all bricks of a job through batches of this encoding, and compares them with those of the job.
-void ExpectWholeJob(NamedLattice name, int separability, BrickEncoding encoding) {
-  TriangleMesh mesh{{{0, 0, 0}, {90, 13, 31}, {7, 88, -20}, {35, 23, 97}},
-                    {{{0, 1, 2}}, {{0, 3, 1}}, {{1, 3, 2}}, {{0, 2, 3}}}};
-  const auto grid = ResolveGrid(Lattice::Named(name), {.resolution = 200}, std::nullopt, BoundsOf(mesh));
-  ASSERT_TRUE(grid.ok());
-  const auto job = VoxelizeJob::Create(mesh, *grid, {.separability = separability});
-  ASSERT_TRUE(job.ok()) << job.status();
-  std::vector<TileBricks> tiles;
-  std::vector<client::Brick> bricks;
-  BrickBatcher batcher(encoding);
-  const auto take = [&] {
-    v1::BrickBatch batch = batcher.Release();
-    EXPECT_EQ(batch.brick_ijk_size(), 0);
-    EXPECT_EQ(batch.packed_bytes() != 0, encoding == BrickEncoding::kPackedZstd);
-    std::string packed = batch.packed();
-    if (batch.packed_bytes() != 0) {
-      ASSERT_EQ(Decompress(batch.packed(), batch.packed_bytes(), client::kMaxPackedBytes, packed), absl::OkStatus());
-    }
-    std::vector<client::Brick> part;
-    ASSERT_EQ(UnpackBricks(packed, part), absl::OkStatus());
-    bricks.insert(bricks.end(), part.begin(), part.end());
-  };
-  ASSERT_TRUE((*job)
-                  ->Advance([&](TileBricks&& tile) {
-                    batcher.Add(tile);
-                    tiles.push_back(std::move(tile));
-                    if (batcher.full()) take();
-                    return true;
-                  })
-                  .ok());
-  take();
-  ExpectSame(bricks, tiles);
-  EXPECT_GT(bricks.size(), 1000u);
-}
-
-TEST(PackedBatches, HoldARealJobOnEachLattice) {
-  for (const NamedLattice name :
-       {NamedLattice::kCartesian, NamedLattice::kBcc, NamedLattice::kFcc, NamedLattice::kHexagonal}) {
-    for (const int separability : {0, 2}) {
-      ExpectWholeJob(name, separability, BrickEncoding::kPacked);
-      ExpectWholeJob(name, separability, BrickEncoding::kPackedZstd);
-    }
-  }
-}
-
-TEST(PackedBatches, BeginSmallAndThenHaveAQuarterToOneMebibyte) {
-  for (const BrickEncoding encoding : {BrickEncoding::kPacked, BrickEncoding::kPackedZstd}) {
-    BrickBatcher batcher(encoding);
-    std::vector<size_t> sizes;
-    TileBricks tile = CurvedTile();
-    while (sizes.size() < 8) {
-      ++tile.tile_ijk[0];
-      for (Brick& brick : tile.bricks) brick.brick_ijk[0] += 8;
-      batcher.Add(tile);
-      if (batcher.full()) sizes.push_back(batcher.Release().ByteSizeLong());
-    }
-    EXPECT_LT(sizes[0], 100u << 10);
-    for (size_t n = 3; n < sizes.size(); ++n) {
-      EXPECT_GE(sizes[n], 256u << 10);
-      EXPECT_LE(sizes[n], 1u << 20);
-    }
-  }
-}
-
-// A full tile with these fields, whose bytes are those of a counter.
-TileBricks FullTile(const FieldList& fields) {
-  BrickMask full;
-  full.fill(~uint64_t{0});
-  TileBricks tile = TileWith({7, 0, 0}, full, full);
-  tile.voxels = uint64_t{512} * 512;
-  for (const Field field : fields) {
-    std::vector<std::byte>& bytes = tile.fields.emplace_back(tile.voxels * FactsOf(field).bytes(kMostNeighbors));
-    for (size_t n = 0; n < bytes.size(); ++n) bytes[n] = static_cast<std::byte>(n * 2654435761U >> 24);
-  }
-  return tile;
-}
-
-// All fields together take 92 megabytes a tile.
-TEST(Batches, HoldTheFieldsOfTheirBricksAndEndBeforeTheirLimit) {
-  FieldList all;
-  for (const FieldFacts& row : kFields) all.Add(row.field);
-  for (const FieldList& fields : {FieldList{Field::kDistance}, FieldList{Field::kNormal}, all}) {
-    BrickBatcher batcher(BrickEncoding::kPacked);
-    const TileBricks tile = FullTile(fields);
-    const std::vector<TileBricks> parts = BrickBatcher::PartsOf(tile);
-    EXPECT_EQ(parts.size() > 1, fields == all);
-    std::vector<std::string> values(fields.size());
-    std::vector<client::Brick> bricks;
-    for (const TileBricks& part : parts) {
-      batcher.Add(part);
-      EXPECT_TRUE(batcher.full() || (parts.size() > 1 && &part == &parts.back()));
-      const v1::BrickBatch batch = batcher.Release(&part != &parts.back());
-      EXPECT_EQ(batch.tile_continues(), &part != &parts.back());
-      EXPECT_LE(batch.ByteSizeLong(), size_t{4} << 20);
-      std::vector<client::Brick> some;
-      EXPECT_EQ(UnpackBricks(batch.packed(), some), absl::OkStatus());
-      bricks.insert(bricks.end(), some.begin(), some.end());
-      ASSERT_EQ(batch.fields_size(), static_cast<int>(fields.size()));
-      for (size_t n = 0; n < values.size(); ++n) values[n] += batch.fields(static_cast<int>(n)).values();
-    }
-    ExpectSame(bricks, {tile});
-    for (size_t n = 0; n < values.size(); ++n) {
-      EXPECT_EQ(values[n], std::string(reinterpret_cast<const char*>(tile.fields[n].data()), tile.fields[n].size()));
-    }
-  }
-}
-
-// Distances of neighbors have the same first bytes, and parts are mostly the same.
-TEST(Batches, CompressFieldsWhereItPays) {
-  const FieldList fields{Field::kPart, Field::kDistance, Field::kTriangle};
-  TileBricks tile = FullTile(fields);
-  std::fill(tile.fields[0].begin(), tile.fields[0].end(), std::byte{1});
-  for (size_t n = 0; n < tile.voxels; ++n) {
-    const float distance = 1 + static_cast<float>(n % 512) / 1024;
-    std::memcpy(&tile.fields[1][4 * n], &distance, sizeof(distance));
-  }
-  std::mt19937 random(3);
-  for (std::byte& byte : tile.fields[2]) byte = static_cast<std::byte>(random());
-  BrickBatcher batcher(BrickEncoding::kPackedZstd);
-  batcher.Add(tile);
-  const v1::BrickBatch batch = batcher.Release();
-  EXPECT_LT(batch.fields(0).values().size(), 1000U);
-  EXPECT_LT(batch.fields(1).values().size(), tile.fields[1].size() / 2);
-  EXPECT_EQ(batch.fields(2).plain_bytes(), 0U);
-  for (int n = 0; n < 2; ++n) {
-    const size_t size = tile.fields[static_cast<size_t>(n)].size();
-    EXPECT_EQ(batch.fields(n).plain_bytes(), size);
-    std::string planes;
-    ASSERT_EQ(Decompress(batch.fields(n).values(), size, client::kMaxFieldBytes, planes), absl::OkStatus());
-    for (size_t voxel = 0; voxel < tile.voxels; voxel += 77) {
-      for (size_t byte = 0; byte < 4; ++byte) {
-        EXPECT_EQ(static_cast<std::byte>(planes[byte * tile.voxels + voxel]),
-                  tile.fields[static_cast<size_t>(n)][4 * voxel + byte]);
-      }
-    }
-  }
-}
-
-TEST(PackedBatches, NeverHoldMoreBricksThanTheContractAllows) {
-  BrickBatcher batcher(BrickEncoding::kPacked);
-  BrickMask full;
-  full.fill(~uint64_t{0});
-  for (int n = 0, batches = 0; batches < 6; ++n) {
-    batcher.Add(TileWith({n, 0, 0}, full, With(0, 0, 0)));
-    if (!batcher.full()) continue;
-    ++batches;
-    std::vector<client::Brick> bricks;
-    EXPECT_EQ(UnpackBricks(batcher.Release().packed(), bricks), absl::OkStatus());
-  }
 }
 
 }  // namespace
