@@ -325,7 +325,8 @@ TEST(Computation, IsInterruptedInTheMiddleOfATileOnceASmallJobHasTakenLong) {
       done = computation.Advance(deliver, kNever);
       ASSERT_TRUE(done.ok()) << done.status();
     }
-    EXPECT_EQ(pauses, overseen ? 1 : 0);
+    // An overseer that hesitates before its Interrupt may end the next turn too.
+    EXPECT_THAT(pauses, ::testing::AllOf(::testing::Ge(overseen ? 1 : 0), ::testing::Le(overseen ? 2 : 0)));
     EXPECT_TRUE(computation.IsLarge());
   }
   EXPECT_EQ(digests.size(), 2);
