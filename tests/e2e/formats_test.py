@@ -1,5 +1,6 @@
 """Programs of others read our files, and find the voxels of the .csv at their positions."""
 
+import csv
 import itertools
 import json
 import struct
@@ -10,6 +11,7 @@ import numpy
 import pyopenvdb
 
 from harness import BUNNY, NODE, PATIENCE, Case, by_three, latvox, read_points, rows
+from inputs import write_named_obj
 
 BCC = ["--lattice", "bcc", "--resolution", "40"]
 CUBES = ["--lattice", "cartesian", "--resolution", "40", "--origin", "0.5,-3,1"]
@@ -50,6 +52,11 @@ def nano_text(path):
     blind = grid + offset
     begin, size = struct.unpack_from("<qQ", data, blind)
     return data[blind + 32 :].partition(b"\0")[0], data[blind + begin : blind + begin + size]
+
+
+def listed(found):
+    """vox-reader gives a chunk that occurs once without a list."""
+    return found if isinstance(found, list) else [] if found is None else [found]
 
 
 class Formats(Case):
@@ -208,8 +215,52 @@ class Formats(Case):
         corner = [voxels[min(voxels)][m] + (low[m] - min(voxels)[m]) * size - size / 2 for m in range(3)]
         for seen, wanted in zip((found["translate"][n] for n in ("depth", "width", "height")), corner):
             self.assertAlmostEqual(seen, wanted, places=9)
-        found = self.by_node("console.log(JSON.stringify(require('parse-magica-voxel')(data).XYZI))", "a.vox")
-        self.assertEqual({(v["x"], v["y"], v["z"]) for v in found}, cells)
+        models, palette = self.scene("a.vox")
+        self.assertEqual(models, [((0, 0, 0), {c: 1 for c in cells})])
+        self.assertIsNone(palette)
+
+    def scene(self, name):
+        """Returns the models of a .vox file and its palette: the place of a model's middle, and the color number of each
+        voxel."""
+        found = self.by_node("console.log(JSON.stringify(require('vox-reader')(data)))", name)
+        shapes = {node["nodeId"]: node["models"][0][0] for node in listed(found.get("nshp"))}
+        places = {0: (0, 0, 0)}
+        for node in listed(found.get("ntrn")):
+            if node["child"] in shapes:
+                places[shapes[node["child"]]] = tuple(map(int, node["frames"][0]["_t"].split()))
+        cells = [{(v["x"], v["y"], v["z"]): v["i"] for v in model["values"]} for model in listed(found["xyzi"])]
+        sizes = [(size["x"], size["y"], size["z"]) for size in listed(found["size"])]
+        for size, model in zip(sizes, cells, strict=True):
+            self.assertEqual(size, tuple(max(v[m] for v in model) + 1 for m in range(3)))
+        models = [(tuple(p - s // 2 for p, s in zip(places[n], sizes[n])) if len(sizes) > 1 else places[n], model)
+                  for n, model in enumerate(cells)]  # fmt: skip
+        return models, found.get("rgba")
+
+    def test_a_reader_from_npm_finds_a_scene_of_models_in_colors(self):
+        mesh = write_named_obj(self.dir / "two.obj", [("left", "a"), ("right", "b")])
+        grid = ["--voxel-size", "0.05", "--separability", "2", "--fields", "material"]
+        done = latvox("voxelize", mesh, "-o", self.dir / "a.vox", "-o", self.dir / "a.csv", *grid)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        models, palette = self.scene("a.vox")
+        self.assertGreater(len(models), 2)
+        found = {}
+        for low, model in models:
+            self.assertLessEqual(max(max(v) for v in model), 255)
+            found |= {tuple(l + x for l, x in zip(low, v)): number for v, number in model.items()}
+        self.assertEqual(len(found), sum(len(model) for _, model in models))
+        with open(self.dir / "a.csv", encoding="utf-8") as file:
+            expected = {tuple(int(row[c]) for c in "ijk"): int(row["material"]) for row in csv.DictReader(file)}
+        shift = [min(v[m] for v in found) - min(v[m] for v in expected) for m in range(3)]
+        materials = {tuple(x + s for x, s in zip(v, shift)): material for v, material in expected.items()}
+        self.assertEqual(found.keys(), materials.keys())
+        colors = {}
+        for v, number in found.items():
+            color = palette["values"][number - 1]
+            colors.setdefault(materials[v], set()).add((color["r"], color["g"], color["b"], color["a"]))
+        self.assertEqual(colors, {0: {(0xE6, 0x9F, 0, 0xFF)}, 1: {(0x56, 0xB4, 0xE9, 0xFF)}})
+        self.assertEqual(min(v[2] for v in found), 0)
+        info = json.loads(latvox("info", self.dir / "a.vox", "--json").stdout)
+        self.assertEqual((info["voxels"], info["models"]), (len(found), len(models)))
 
     def test_imagemagick_sees_the_picture(self):
         self.write(["a.png"], *BCC)

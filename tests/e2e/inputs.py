@@ -6,7 +6,7 @@ import json
 import struct
 import zipfile
 
-from harness import Case, float32, latvox, server, write_obj
+from harness import Case, float32, latvox, octahedron, server, write_obj
 
 # All of its extents, and those of its turns, differ.
 CORNERS = [(0.1, 0.2, 0.3), (2.7, 0.2, 0.4), (0.3, 4.1, 0.1), (0.2, 0.9, 7.3)]
@@ -29,6 +29,24 @@ def joined(*meshes):
         triangles += [tuple(n + len(vertices) for n in t) for t in more_triangles]
         vertices += more_vertices
     return vertices, triangles
+
+
+def moved(n):
+    """Returns octahedron n of a row that do not touch."""
+    vertices, triangles = octahedron(4.0)
+    return [(x + 20 * n, y, z) for x, y, z in vertices], triangles
+
+
+def write_named_obj(path, parts, place=0):
+    """`parts`: name, material. The first is at this place."""
+    lines = []
+    for n, (part, material) in enumerate(parts):
+        vertices, triangles = moved(place + n)
+        lines += ([f"o {part}"] if part else []) + [f"usemtl {material}"]
+        lines += [f"v {x} {y} {z}" for x, y, z in vertices]
+        lines += ["f " + " ".join(str(v + 1 + 6 * n) for v in t) for t in triangles]
+    path.write_text("\n".join(lines) + "\n")
+    return path
 
 
 def mesh_xml(mesh):

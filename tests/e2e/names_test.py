@@ -8,27 +8,9 @@ import unittest
 import pyopenvdb
 
 from harness import Case, encode_drc, latvox, octahedron, write_obj
-from inputs import mesh_xml, model, write_3mf
+from inputs import mesh_xml, model, moved, write_3mf, write_named_obj
 
 GRID = ["--voxel-size", "1", "--origin", "0,0,0", "--quantization", "0"]
-
-
-def moved(n):
-    """Returns an octahedron at a place of its own."""
-    vertices, triangles = octahedron(4.0)
-    return [(x + 20 * n, y, z) for x, y, z in vertices], triangles
-
-
-def write_named_obj(path, parts, place=0):
-    """`parts`: name, material. The first is at this place."""
-    lines = []
-    for n, (part, material) in enumerate(parts):
-        vertices, triangles = moved(place + n)
-        lines += ([f"o {part}"] if part else []) + [f"usemtl {material}"]
-        lines += [f"v {x} {y} {z}" for x, y, z in vertices]
-        lines += ["f " + " ".join(str(v + 1 + 6 * n) for v in t) for t in triangles]
-    path.write_text("\n".join(lines) + "\n")
-    return path
 
 
 def write_scene(path, nodes, materials):

@@ -30,6 +30,7 @@ latvox_add_test(client_image_test SOURCES unit/client/tool/output/image_test.cc
 latvox_add_test(client_compare_test SOURCES unit/client/tool/cli/compare_test.cc LIBRARIES latvox::tool GTest::gmock)
 latvox_add_test(client_colors_test SOURCES unit/client/tool/output/colors_test.cc
                 LIBRARIES latvox::tool latvox::grid latvox::openvdb_trees GTest::gmock)
+latvox_add_test(client_palette_test SOURCES unit/client/tool/output/palette_test.cc LIBRARIES latvox::tool GTest::gmock)
 latvox_add_test(client_picture_style_test SOURCES unit/client/tool/output/picture_style_test.cc
                 LIBRARIES latvox::tool GTest::gmock)
 latvox_add_test(client_scene_test SOURCES unit/client/tool/output/scene_test.cc LIBRARIES latvox::tool GTest::gmock)

@@ -104,7 +104,11 @@ absl::StatusOr<Json> VoxFacts(FileSource& file) {
     if (auto status = file.Skip(bytes); !status.ok()) return status;
   }
   Json facts = {{"voxels", voxels}};
-  if (models == 1) facts["shape"] = shape;
+  if (models == 1) {
+    facts["shape"] = shape;
+  } else {
+    facts["models"] = models;
+  }
   return facts;
 }
 

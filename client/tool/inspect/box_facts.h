@@ -12,7 +12,7 @@ namespace latvox::client {
 // Errors: INVALID_ARGUMENT: another header, runs of another length than the box, cut short.
 absl::StatusOr<Json> BinvoxFacts(FileSource& file);
 
-// Returns `voxels` and `shape` of a .vox (MagicaVoxel); of several models their sum, and no shape. Errors:
+// Returns `voxels` and `shape` of a .vox (MagicaVoxel); of several models their sum and number, and no shape. Errors:
 // INVALID_ARGUMENT: no such file, cut short.
 absl::StatusOr<Json> VoxFacts(FileSource& file);
 

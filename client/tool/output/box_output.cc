@@ -12,79 +12,11 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "latvox/for_each_voxel.h"
 
 namespace latvox::client {
 namespace {
 
 constexpr double kRounding = 1e-12;  // relative, of the vectors of a scaled lattice
-
-// Collects all bricks, then writes the file.
-class BoxOutput : public Output {
- public:
-  BoxOutput(std::unique_ptr<AtomicFile> file, int32_t most, const BoxShape& shape = {})
-      : file_(std::move(file)), most_(most), shape_(shape) {}
-
-  absl::Status Begin(const Accepted& accepted) final {
-    if (!IsCubic(accepted.grid.basis)) {
-      return absl::InvalidArgumentError(absl::StrCat(file_->target(), ": ", kCubesOnly));
-    }
-    grid_ = accepted.grid;
-    return absl::OkStatus();
-  }
-
-  absl::Status Add(const BrickBatch& batch) final {
-    for (const Brick& brick : batch.bricks) {
-      box_.Add(brick);
-      bricks_.push_back(brick);
-    }
-    return box_.box() ? ShapedBox(*box_.box(), shape_, file_->target()).status() : absl::OkStatus();
-  }
-
-  absl::Status Finish(const Summary&) final {
-    if (auto status = FindBox(); !status.ok()) return status;
-    if (auto status = Write(); !status.ok()) return status;
-    return file_->Sync();
-  }
-
-  absl::Status Commit() final { return file_->Commit(); }
-
- protected:
-  AtomicFile& file() { return *file_; }
-  const GridTransform& grid() const { return grid_; }
-  std::vector<Brick>& bricks() { return bricks_; }
-  const Vec3i& low() const { return low_; }
-  const Vec3i& sides() const { return sides_; }
-
- private:
-  virtual absl::Status Write() = 0;
-
-  absl::Status FindBox() {
-    const std::optional<IndexBox>& voxels = box_.box();
-    if (!voxels && !shape_.dims) return absl::OkStatus();
-    const auto shaped = ShapedBox(voxels ? *voxels : IndexBox{}, shape_, file_->target());
-    if (!shaped.ok()) return shaped.status();
-    const IndexBox& box = *shaped;
-    low_ = box.min;
-    for (size_t m = 0; m < 3; ++m) {
-      const int64_t side = int64_t{box.max[m]} - low_[m];
-      if (side > most_) {
-        return absl::ResourceExhaustedError(absl::StrCat(file_->target(), ": ", side, " voxels along ",
-                                                         std::string(1, "xyz"[m]), " exceed the format's ", most_));
-      }
-      sides_[m] = static_cast<int32_t>(side);
-    }
-    return absl::OkStatus();
-  }
-
-  std::unique_ptr<AtomicFile> file_;
-  const int32_t most_;
-  const BoxShape shape_;
-  GridTransform grid_;
-  VoxelBox box_;
-  std::vector<Brick> bricks_;
-  Vec3i low_{}, sides_{1, 1, 1};
-};
 
 // Joins runs of equal cells, and writes them as (value, length) with lengths up to 255.
 class RunWriter {
@@ -146,33 +78,75 @@ uint64_t Transposed(uint64_t bits) {
   return bits;
 }
 
-// Writes cells over x, then z, then y, which changes fastest. One slice of constant x is in memory, a bit for each
-// cell.
-class BinvoxOutput final : public BoxOutput {
+// Collects all bricks, then writes cells over x, then z, then y, which changes fastest. One slice of constant x is in
+// memory, a bit for each cell.
+class BinvoxOutput final : public Output {
  public:
-  BinvoxOutput(std::unique_ptr<AtomicFile> file, const BoxShape& shape) : BoxOutput(std::move(file), 4096, shape) {}
+  BinvoxOutput(std::unique_ptr<AtomicFile> file, const BoxShape& shape) : file_(std::move(file)), shape_(shape) {}
+
+  absl::Status Begin(const Accepted& accepted) override {
+    if (!IsCubic(accepted.grid.basis)) {
+      return absl::InvalidArgumentError(absl::StrCat(file_->target(), ": ", kCubesOnly));
+    }
+    grid_ = accepted.grid;
+    return absl::OkStatus();
+  }
+
+  absl::Status Add(const BrickBatch& batch) override {
+    for (const Brick& brick : batch.bricks) {
+      box_.Add(brick);
+      bricks_.push_back(brick);
+    }
+    return box_.box() ? ShapedBox(*box_.box(), shape_, file_->target()).status() : absl::OkStatus();
+  }
+
+  absl::Status Finish(const Summary&) override {
+    if (auto status = FindBox(); !status.ok()) return status;
+    if (auto status = Write(); !status.ok()) return status;
+    return file_->Sync();
+  }
+
+  absl::Status Commit() override { return file_->Commit(); }
 
  private:
-  absl::Status Write() override {
-    const int32_t side = *std::max_element(sides().begin(), sides().end());
-    const double size = grid().basis.a[0];
-    Vec3d corner = grid().ToWorld(low());
+  absl::Status FindBox() {
+    const std::optional<IndexBox>& voxels = box_.box();
+    if (!voxels && !shape_.dims) return absl::OkStatus();
+    const auto shaped = ShapedBox(voxels ? *voxels : IndexBox{}, shape_, file_->target());
+    if (!shaped.ok()) return shaped.status();
+    low_ = shaped->min;
+    int64_t longest = 0;
+    for (size_t m = 0; m < 3; ++m) {
+      const int64_t side = int64_t{shaped->max[m]} - low_[m];
+      if (side > kMostSide) {
+        return absl::ResourceExhaustedError(absl::StrCat(file_->target(), ": ", side, " voxels along ",
+                                                         std::string(1, "xyz"[m]), " exceed the format's ", kMostSide));
+      }
+      longest = std::max(longest, side);
+    }
+    side_ = static_cast<int32_t>(longest);
+    return absl::OkStatus();
+  }
+
+  absl::Status Write() {
+    const double size = grid_.basis.a[0];
+    Vec3d corner = grid_.ToWorld(low_);
     for (double& x : corner) x -= size / 2;
     const std::string header =
-        absl::StrFormat("#binvox 1\ndim %d %d %d\ntranslate %.17g %.17g %.17g\nscale %.17g\ndata\n", side, side, side,
-                        corner[0], corner[1], corner[2], size * side);
-    if (auto status = file().Append(header); !status.ok()) return status;
+        absl::StrFormat("#binvox 1\ndim %d %d %d\ntranslate %.17g %.17g %.17g\nscale %.17g\ndata\n", side_, side_,
+                        side_, corner[0], corner[1], corner[2], size * side_);
+    if (auto status = file_->Append(header); !status.ok()) return status;
     const auto is_lower = [](const Brick& a, const Brick& b) { return a.brick_ijk[0] < b.brick_ijk[0]; };
-    std::sort(bricks().begin(), bricks().end(), is_lower);
+    std::sort(bricks_.begin(), bricks_.end(), is_lower);
     // Rows along y begin at a brick, so that each byte is a row of a brick.
-    const auto cells = static_cast<size_t>(side), first = static_cast<size_t>(low()[1] & 7);
+    const auto cells = static_cast<size_t>(side_), first = static_cast<size_t>(low_[1] & 7);
     const size_t row_words = (first + cells) / 64 + 1;
     std::vector<uint64_t> slice(cells * row_words);
-    RunWriter runs(file());
-    auto begin = bricks().begin(), end = begin;
-    for (int32_t i = low()[0]; i < low()[0] + side; ++i) {
-      while (begin != bricks().end() && begin->brick_ijk[0] < i >> 3) ++begin;
-      for (end = std::max(begin, end); end != bricks().end() && end->brick_ijk[0] == i >> 3;) ++end;
+    RunWriter runs(*file_);
+    auto begin = bricks_.begin(), end = begin;
+    for (int32_t i = low_[0]; i < low_[0] + side_; ++i) {
+      while (begin != bricks_.end() && begin->brick_ijk[0] < i >> 3) ++begin;
+      for (end = std::max(begin, end); end != bricks_.end() && end->brick_ijk[0] == i >> 3;) ++end;
       if (begin == end) {
         runs.Add(false, cells * cells);
         continue;
@@ -188,11 +162,11 @@ class BinvoxOutput final : public BoxOutput {
     auto* const bytes = reinterpret_cast<uint8_t*>(slice.data());
     for (const Brick& brick : layer) {
       const uint64_t rows = Transposed(brick.mask[x]);
-      const auto column = static_cast<size_t>(brick.brick_ijk[1] - (low()[1] >> 3));
+      const auto column = static_cast<size_t>(brick.brick_ijk[1] - (low_[1] >> 3));
       for (int32_t z = 0; z < 8; ++z) {
         const auto row = static_cast<uint8_t>(rows >> 8 * z);
         if (row == 0) continue;  // perhaps outside the box
-        const auto k = static_cast<size_t>(brick.brick_ijk[2] * 8 + z - low()[2]);
+        const auto k = static_cast<size_t>(brick.brick_ijk[2] * 8 + z - low_[2]);
         bytes[k * row_words * sizeof(uint64_t) + column] = row;
       }
     }
@@ -206,42 +180,16 @@ class BinvoxOutput final : public BoxOutput {
       at = zero;
     }
   }
-};
 
-// Writes "VOX ", version 150, and a chunk MAIN of the chunks SIZE and XYZI. A chunk has an id, its bytes, the bytes of
-// its subchunks, and contents.
-class VoxOutput final : public BoxOutput {
- public:
-  explicit VoxOutput(std::unique_ptr<AtomicFile> file) : BoxOutput(std::move(file), 256) {}
+  static constexpr int64_t kMostSide = 4096;
 
- private:
-  static constexpr uint8_t kColor = 1;  // in the default palette of the program
-
-  static std::string Words(std::initializer_list<size_t> words) {
-    std::string bytes;
-    for (const size_t word : words) {
-      for (int shift = 0; shift < 32; shift += 8) bytes.push_back(static_cast<char>(word >> shift & 0xFF));
-    }
-    return bytes;
-  }
-
-  absl::Status Write() override {
-    const auto side = [&](size_t m) { return static_cast<size_t>(sides()[m]); };
-    size_t voxels = 0;
-    for (const Brick& brick : bricks()) voxels += CountVoxels(brick);
-    // 256^3 voxels of four bytes are the maximum: all lengths fit.
-    const std::string size = "SIZE" + Words({12, 0, side(0), side(1), side(2)});
-    const std::string head = "XYZI" + Words({4 + 4 * voxels, 0, voxels});
-    const size_t children = size.size() + head.size() + 4 * voxels;
-    std::string rows = "VOX " + Words({150}) + "MAIN" + Words({0, children}) + size + head;
-    for (const Brick& brick : bricks()) {
-      ForEachVoxel(brick, [&](const Vec3i& ijk) {
-        for (size_t m = 0; m < 3; ++m) rows.push_back(static_cast<char>(ijk[m] - low()[m]));
-        rows.push_back(static_cast<char>(kColor));
-      });
-    }
-    return file().Append(rows);
-  }
+  const std::unique_ptr<AtomicFile> file_;
+  const BoxShape shape_;
+  GridTransform grid_;
+  VoxelBox box_;
+  std::vector<Brick> bricks_;
+  Vec3i low_{};
+  int32_t side_ = 1;
 };
 
 }  // namespace
@@ -264,10 +212,6 @@ bool IsCubic(const Basis& basis) {
 
 std::unique_ptr<Output> NewBinvoxOutput(std::unique_ptr<AtomicFile> file, const BoxShape& shape) {
   return std::make_unique<BinvoxOutput>(std::move(file), shape);
-}
-
-std::unique_ptr<Output> NewVoxOutput(std::unique_ptr<AtomicFile> file) {
-  return std::make_unique<VoxOutput>(std::move(file));
 }
 
 }  // namespace latvox::client

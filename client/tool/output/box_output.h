@@ -1,4 +1,4 @@
-// Formats for dense boxes of cubes.
+// Formats for boxes of cubes.
 #ifndef LATVOX_CLIENT_TOOL_OUTPUT_BOX_OUTPUT_H_
 #define LATVOX_CLIENT_TOOL_OUTPUT_BOX_OUTPUT_H_
 
@@ -21,15 +21,12 @@ bool IsAlongAxes(const Basis& basis);
 // Returns whether the cells are cubes along the world's axes, up to the rounding of a scaled basis.
 bool IsCubic(const Basis& basis);
 
-// Both formats need a lattice of cubes along the world's axes. Memory: 80 bytes for each brick, and for
-// .binvox a bit for each cell of a slice; for .vox, the file.
-// Errors: INVALID_ARGUMENT for another lattice; RESOURCE_EXHAUSTED for a box that the format cannot hold.
-//   .binvox   a cube of up to 4096 voxels a side (half a gigabyte if empty), starting at the lowest voxel. `translate`
-//             is the low corner of that voxel's cube, `scale` the side of the whole cube. So the centers of the cells
-//             are the world positions of the voxels. The shape is around the box of the voxels.
-//   .vox      MagicaVoxel: up to 256 voxels a side, z up, without world positions.
+// .binvox, for a lattice of cubes along the world's axes: a cube of up to 4096 voxels a side (half a gigabyte if
+// empty), starting at the lowest voxel. `translate` is the low corner of that voxel's cube, `scale` the side of the
+// whole cube. So the centers of the cells are the world positions of the voxels. The shape is around the box of the
+// voxels. Memory: 80 bytes for each brick, and a bit for each cell of a slice. Errors: INVALID_ARGUMENT for another
+// lattice; RESOURCE_EXHAUSTED for a box that the format cannot hold.
 std::unique_ptr<Output> NewBinvoxOutput(std::unique_ptr<AtomicFile> file, const BoxShape& shape);
-std::unique_ptr<Output> NewVoxOutput(std::unique_ptr<AtomicFile> file);
 
 }  // namespace latvox::client
 

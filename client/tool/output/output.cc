@@ -24,6 +24,8 @@
 #include "client/tool/output/picture_output.h"
 #include "client/tool/output/surface_output.h"
 #include "client/tool/output/table_output.h"
+#include "client/tool/output/vox_output.h"
+#include "client/tool/output/voxel_colors.h"
 #include "client/tool/output/vtk_output.h"
 #include "latvox/error.h"
 #include "latvox/grid/distance_grid.h"
@@ -139,10 +141,8 @@ std::unique_ptr<Output> NewHtmlOutput(std::unique_ptr<AtomicFile> file, const Vo
   return NewPageOutput(std::move(file), options, open);
 }
 
-// Returns a function that opens the same output for every request.
-template <std::unique_ptr<Output> (*new_output)(std::unique_ptr<AtomicFile>)>
-std::unique_ptr<Output> NewPlainOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest&, const OutputOptions&) {
-  return new_output(std::move(file));
+std::unique_ptr<Output> NewFacetOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest&, const OutputOptions&) {
+  return NewGlbOutput(std::move(file));
 }
 
 std::unique_ptr<Output> NewNpyOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request,
@@ -159,6 +159,11 @@ std::unique_ptr<Output> NewArchiveOutput(std::unique_ptr<AtomicFile> file, const
 std::unique_ptr<Output> NewCubeOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest&,
                                       const OutputOptions& options) {
   return NewBinvoxOutput(std::move(file), options.shape);
+}
+
+std::unique_ptr<Output> NewSceneOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request,
+                                       const OutputOptions&) {
+  return NewVoxOutput(std::move(file), request.fields);
 }
 
 std::unique_ptr<Output> NewCellOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request,
@@ -190,9 +195,10 @@ using NewOutput = std::unique_ptr<Output> (*)(std::unique_ptr<AtomicFile>, const
 enum class Holds {
   kNone,
   kColor,
-  kOne,    // one whose size does not depend on the lattice
-  kFixed,  // all those
-  kLinks,  // all others, and nothing without one
+  kPainted,  // one that gives each voxel a color: color, material, or part
+  kOne,      // one whose size does not depend on the lattice
+  kFixed,    // all those
+  kLinks,    // all others, and nothing without one
   kAll,
 };
 
@@ -215,9 +221,9 @@ constexpr Format kFormats[] = {
     {kPly, "points", NewTable<kPly>, Holds::kAll},
     {".png", "picture", NewPngOutput, Holds::kFixed, /*is_placed=*/false},
     {".html", "page", NewHtmlOutput, Holds::kFixed},
-    {".glb", "surface of cells", NewPlainOutput<NewGlbOutput>, Holds::kColor},
+    {".glb", "surface of cells", NewFacetOutput, Holds::kColor},
     {".binvox", "binvox", NewCubeOutput, Holds::kNone},
-    {".vox", "MagicaVoxel", NewPlainOutput<NewVoxOutput>, Holds::kNone, /*is_placed=*/false},
+    {".vox", "MagicaVoxel", NewSceneOutput, Holds::kPainted, /*is_placed=*/false},
     {".vti", "VTK, cells of a box", NewCellOutput, Holds::kFixed},
     {".vtu", "VTK, points", NewPointOutput, Holds::kAll},
     {".h5", "HDF5", NewHdf5Output, Holds::kAll},
@@ -238,6 +244,7 @@ bool CanHold(const Format& format, const std::vector<Field>& fields) {
   if (fields.empty() || format.holds == Holds::kAll) return true;
   if (format.holds == Holds::kFixed) return !CarriesLinks(fields);
   if (format.holds == Holds::kOne) return FitsOneArray(fields);
+  if (format.holds == Holds::kPainted) return fields.size() == 1 && DefaultColorBy({fields}) != ColorBy::kNone;
   return format.holds == Holds::kColor && fields == std::vector<Field>{Field::kColor};
 }
 

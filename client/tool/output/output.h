@@ -89,7 +89,8 @@ std::optional<Warning> WarningOfPlace(const std::vector<std::string>& paths);
 //   .png   picture
 //   .html  page, as that of the .vdb
 //   .glb   surface, see client/tool/output/surface_output.h
-//   .binvox, .vox   boxes of cubes, see client/tool/output/box_output.h
+//   .binvox  a box of cubes, see client/tool/output/box_output.h
+//   .vox   models of cubes, see client/tool/output/vox_output.h
 //   .h5    arrays that grow, see client/tool/output/hdf5_output.h
 //   .links.csv, .links.npz   crossed links: see client/tool/output/link_output.h
 //   .vti, .vtu   cells of a box, and points: see client/tool/output/vtk_output.h
@@ -103,6 +104,7 @@ std::optional<Warning> WarningOfPlace(const std::vector<std::string>& paths);
 //   .ply   further properties
 //   .png   picture of voxels in their colors, otherwise by material, otherwise by part; of a band with distances, the
 //          voxels nearest to the surface, see client/tool/output/picture_scene.h
+//   .vox   the colors of a picture, as a palette
 //   .glb   colors of the surface's vertices; no other fields
 //   .vti, .vtu   arrays
 //   images   one field
