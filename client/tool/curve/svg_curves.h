@@ -14,12 +14,14 @@ namespace latvox::client {
 // finest resolution.
 inline constexpr double kFlatness = 1.0 / 65536;
 
-// Reads the elements polyline, polygon, line, rect (with sharp corners) and path (see client/tool/curve/svg_path.h),
-// also within g, with their transforms translate, scale and matrix.
-// World coordinates are the numbers of the drawing, y downwards. width, height, viewBox and styles are ignored.
-// Elements that draw nothing (title, desc, metadata, defs, style) and those of other namespaces are skipped.
-// Errors: INVALID_ARGUMENT naming line and element: not XML, any other element, transform or path command, a length
-// with a unit, a number that is not finite.
+// Reads the outlines of all shapes: polyline, polygon, line, rect, circle, ellipse and path (see
+// client/tool/curve/svg_path.h), within g, a, switch, svg, and by use, with their transforms and lengths. World
+// coordinates are the numbers of the drawing, y downwards: width, height and viewBox of the root only tell what
+// percentages mean. Colors, strokes and clips are ignored. Elements are skipped that are hidden by display="none" or
+// style="display:none", that draw nothing (such as defs), and those of other namespaces.
+// Errors: INVALID_ARGUMENT naming line and element: not XML; text, an image or any other element; a transform, path
+// command or unit that SVG does not have; a unit of fonts; a number that is not finite; more than a million elements or
+// ten million pieces.
 absl::StatusOr<std::vector<Polyline>> ParseSvg(absl::string_view text);
 
 }  // namespace latvox::client

@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "client/tool/curve/scan.h"
+#include "client/tool/curve/svg_arc.h"
 
 namespace latvox::client {
 namespace {
@@ -50,12 +51,18 @@ class PathReader {
         return Repeat([&] { return CurveTo(3, relative); });
       case 'Q':
         return Repeat([&] { return CurveTo(2, relative); });
+      case 'S':
+        return Repeat([&] { return SmoothTo(3, relative); });
+      case 'T':
+        return Repeat([&] { return SmoothTo(2, relative); });
+      case 'A':
+        return Repeat([&] { return ArcTo(relative); });
       case 'Z':
         End(/*closed=*/true);
         return absl::OkStatus();
       default:
         return absl::InvalidArgumentError(
-            absl::StrCat("path command \"", std::string(1, command), "\" is not one of M L H V Z C Q"));
+            absl::StrCat("path command \"", std::string(1, command), "\" is not one of M L H V Z C S Q T A"));
     }
   }
 
@@ -93,9 +100,21 @@ class PathReader {
     return Repeat([&] { return CurveTo(1, relative); });
   }
 
-  absl::Status CurveTo(size_t degree, bool relative) {
-    OutlinePiece piece{degree, {}};
-    for (size_t n = 0; n < degree; ++n) {
+  absl::Status CurveTo(size_t degree, bool relative) { return CurveFrom({degree, {}}, 0, relative); }
+
+  // The first control point mirrors the last one of a curve of this degree. After anything else it is the start.
+  absl::Status SmoothTo(size_t degree, bool relative) {
+    OutlinePiece piece{degree, {current_}};
+    if (!outline_.pieces.empty() && outline_.pieces.back().degree == degree && !after_arc_) {
+      const Vec2d& last = outline_.pieces.back().control[degree - 2];
+      for (size_t m = 0; m < 2; ++m) piece.control[0][m] = 2 * current_[m] - last[m];
+    }
+    return CurveFrom(piece, 1, relative);
+  }
+
+  // Reads the control points from the n-th on.
+  absl::Status CurveFrom(OutlinePiece piece, size_t n, bool relative) {
+    for (; n < piece.degree; ++n) {
       if (absl::Status status = ReadPoint(relative, piece.control[n]); !status.ok()) return status;
     }
     Append(piece);
@@ -111,9 +130,34 @@ class PathReader {
     return absl::OkStatus();
   }
 
+  // Flags are one character, and may stand without a separator.
+  absl::Status ReadFlag(bool& flag) {
+    SkipSeparator(rest_);
+    if (rest_.empty() || (rest_[0] != '0' && rest_[0] != '1')) return NotExpected("a flag, 0 or 1,");
+    flag = rest_[0] == '1';
+    rest_.remove_prefix(1);
+    return absl::OkStatus();
+  }
+
+  absl::Status ArcTo(bool relative) {
+    Arc arc;
+    for (double* const number : {&arc.radii[0], &arc.radii[1], &arc.rotation}) {
+      if (absl::Status status = ReadCoordinate(*number); !status.ok()) return status;
+    }
+    for (bool* const flag : {&arc.large, &arc.sweep}) {
+      if (absl::Status status = ReadFlag(*flag); !status.ok()) return status;
+    }
+    if (absl::Status status = ReadPoint(relative, arc.end); !status.ok()) return status;
+    AppendArc(current_, arc, outline_.pieces);
+    current_ = arc.end;
+    after_arc_ = true;
+    return absl::OkStatus();
+  }
+
   void Append(const OutlinePiece& piece) {
     outline_.pieces.push_back(piece);
     current_ = piece.end();
+    after_arc_ = false;
   }
 
   // Commands after Z without an M begin at the start of this outline.
@@ -129,6 +173,7 @@ class PathReader {
   std::vector<Outline>& outlines_;
   Outline outline_;
   Vec2d current_{};
+  bool after_arc_ = false;  // the last pieces are an arc
 };
 
 // Returns |a - 2b + c|, the second difference of control points.

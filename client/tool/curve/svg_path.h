@@ -25,8 +25,8 @@ struct Outline {
   bool closed = false;
 };
 
-// Appends the outlines of path data with the commands M L H V Z C Q, absolute or relative (lower case). Omits outlines
-// without a piece. Errors: INVALID_ARGUMENT naming the text, or a command that is not one of these.
+// Appends the outlines of path data with the commands M L H V Z C S Q T A, absolute or relative (lower case). Omits
+// outlines without a piece. Errors: INVALID_ARGUMENT naming the text, or a command that is not one of these.
 absl::Status ParsePathData(absl::string_view data, std::vector<Outline>& outlines);
 
 // Returns the outline as a polyline whose points lie on it and that deviates from it by at most `tolerance` > 0. Lines
