@@ -9,8 +9,10 @@
 
 #include "client/tool/inspect/array_facts.h"
 #include "client/tool/inspect/box_facts.h"
+#include "client/tool/inspect/image_facts.h"
 #include "client/tool/inspect/picture_facts.h"
 #include "client/tool/inspect/table_facts.h"
+#include "client/tool/inspect/vtk_facts.h"
 #include "latvox/grid/voxel_grid.h"
 
 namespace latvox::client {
@@ -28,6 +30,17 @@ void CheckFile(const std::string& path) {
   Check(of_file(**file));
 }
 
+template <auto of_path>
+void CheckPath(const std::string& path) {
+  Check(of_path(path));
+}
+
+// The elements may be in a file of another name.
+void CheckMetaImage(const std::string& path) {
+  const auto facts = MetaImageFacts(path);
+  if (facts.status().code() != absl::StatusCode::kNotFound) Check(facts);
+}
+
 // The order of formats is that of the corpus.
 constexpr void (*kFormats[])(const std::string& path) = {
     CheckFile<NpyFacts>,     [](const std::string& path) { Check(NpzFacts(path)); },
@@ -35,6 +48,9 @@ constexpr void (*kFormats[])(const std::string& path) = {
     CheckFile<BinvoxFacts>,  CheckFile<VoxFacts>,
     CheckFile<PngFacts>,     CheckFile<PageFacts>,
     CheckFile<SurfaceFacts>, [](const std::string& path) { Check(ReadNanoFileInfo(path)); },
+    CheckPath<NrrdFacts>,    CheckMetaImage,
+    CheckPath<NiftiFacts>,   CheckFile<VtiFacts>,
+    CheckFile<VtuFacts>,
 };
 
 }  // namespace
