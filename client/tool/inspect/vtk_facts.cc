@@ -132,7 +132,7 @@ absl::StatusOr<Json> VtuFacts(FileSource& file) {
   const auto head = ReadHead(file, "UnstructuredGrid");
   if (!head.ok()) return head.status();
   uint64_t voxels = 0;
-  if (!absl::SimpleAtoi(Attribute(head->piece, "NumberOfPoints"), &voxels)) return file.Bad("has no number of points");
+  if (!absl::SimpleAtoi(Attribute(head->piece, "NumberOfCells"), &voxels)) return file.Bad("has no number of cells");
   if (auto status = CheckTail(file); !status.ok()) return status;
   return Json{{"voxels", voxels}, {"arrays", head->arrays}};
 }

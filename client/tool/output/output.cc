@@ -171,9 +171,10 @@ std::unique_ptr<Output> NewCellOutput(std::unique_ptr<AtomicFile> file, const Vo
   return NewVtiOutput(std::move(file), request.fields, options.shape);
 }
 
-std::unique_ptr<Output> NewPointOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request,
+template <VtuForm form>
+std::unique_ptr<Output> NewGridOfCells(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request,
                                        const OutputOptions&) {
-  return NewVtuOutput(std::move(file), request.fields);
+  return NewVtuOutput(std::move(file), request.fields, form);
 }
 
 template <std::unique_ptr<Output> (*new_output)(std::unique_ptr<AtomicFile>, const std::vector<Field>&)>
@@ -209,7 +210,7 @@ struct Format {
   bool is_placed = true;  // it tells where in the world the voxels are
 };
 
-constexpr char kLinksCsv[] = ".links.csv", kLinksNpz[] = ".links.npz";
+constexpr char kLinksCsv[] = ".links.csv", kLinksNpz[] = ".links.npz", kCellsVtu[] = ".cells.vtu";
 constexpr char kCsv[] = ".csv", kNpy[] = ".npy", kPly[] = ".ply", kMhd[] = ".mhd", kNiiGz[] = ".nii.gz";
 
 constexpr Format kFormats[] = {
@@ -225,7 +226,8 @@ constexpr Format kFormats[] = {
     {".binvox", "binvox", NewCubeOutput, Holds::kNone},
     {".vox", "MagicaVoxel", NewSceneOutput, Holds::kPainted, /*is_placed=*/false},
     {".vti", "VTK, cells of a box", NewCellOutput, Holds::kFixed},
-    {".vtu", "VTK, points", NewPointOutput, Holds::kAll},
+    {".vtu", "VTK, points", NewGridOfCells<VtuForm::kPoints>, Holds::kAll},
+    {kCellsVtu, "VTK, Voronoi cells", NewGridOfCells<VtuForm::kCells>, Holds::kAll},
     {".h5", "HDF5", NewHdf5Output, Holds::kAll},
     {kLinksCsv, "table of links", NewLinkList<NewLinkTableOutput>, Holds::kLinks},
     {kLinksNpz, "NumPy, arrays of links", NewLinkList<NewLinkArrayOutput>, Holds::kLinks},
@@ -256,7 +258,7 @@ absl::Status WrongExtension(const std::string& path, const std::vector<std::stri
 }  // namespace
 
 std::string ExtensionOf(const std::string& path) {
-  for (const char* const twofold : {kNiiGz, kLinksCsv, kLinksNpz}) {
+  for (const char* const twofold : {kNiiGz, kLinksCsv, kLinksNpz, kCellsVtu}) {
     if (absl::EndsWithIgnoreCase(path, twofold)) return twofold;
   }
   return absl::AsciiStrToLower(std::filesystem::path(path).extension().string());

@@ -53,7 +53,8 @@ struct OutputOptions {
   std::optional<MetadataPairs> metadata = std::nullopt;  // of a .h5, in place of request, note and summary
 };
 
-// Returns the extension, with the dot, in lower case. ".nii.gz" and ".links.csv" are one.
+// Returns the extension, with the dot, in lower case. ".nii.gz", ".links.csv" and ".cells.vtu" are
+// one.
 std::string ExtensionOf(const std::string& path);
 
 // Returns whether an array with one element per lattice point can hold the fields: none, or one that is not of links.
@@ -93,7 +94,7 @@ std::optional<Warning> WarningOfPlace(const std::vector<std::string>& paths);
 //   .vox   models of cubes, see client/tool/output/vox_output.h
 //   .h5    arrays that grow, see client/tool/output/hdf5_output.h
 //   .links.csv, .links.npz   crossed links: see client/tool/output/link_output.h
-//   .vti, .vtu   cells of a box, and points: see client/tool/output/vtk_output.h
+//   .vti, .vtu, .cells.vtu   cells of a box, points, and Voronoi cells: see client/tool/output/vtk_output.h
 //   .nrrd, .mha, .mhd, .nii, .nii.gz   images in space, see client/tool/output/image_output.h
 // A request with fields needs one of ExtensionsFor: fields of links fit .csv, .npy, .npz, .ply and .vtu alone. Columns
 // are those of client/tool/output/field_columns.h:

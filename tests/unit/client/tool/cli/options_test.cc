@@ -308,10 +308,10 @@ TEST(Options, ABandIsInWorldUnitsOrInVoxels) {
   }
   EXPECT_THAT(Refusal({"--resolution", "9", "--signed"}), AllOf(HasSubstr("--signed"), HasSubstr("--fields distance")));
   for (const char* output : {"a.nvdb", "a.glb", "a.binvox", "a.vox"}) {
-    EXPECT_THAT(
-        Refusal({"--resolution", "9", "--band", "1", "-o", output}),
-        HasSubstr(std::string(output) + " cannot hold distance; .vdb .csv .npy .npz .ply .png .html .vti .vtu .h5 "
-                                        ".nrrd .mha .mhd .nii .nii.gz can"));
+    EXPECT_THAT(Refusal({"--resolution", "9", "--band", "1", "-o", output}),
+                HasSubstr(std::string(output) + " cannot hold distance; .vdb .csv .npy .npz .ply .png .html .vti .vtu "
+                                                ".cells.vtu .h5 "
+                                                ".nrrd .mha .mhd .nii .nii.gz can"));
   }
 }
 
