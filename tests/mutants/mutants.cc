@@ -52,6 +52,7 @@
 #include "client/tool/curve/curve_file.h"
 #include "client/tool/texture/base_color_sampler.h"
 #include "client/tool/texture/decode_image.h"
+#include "client/tool/vdb/vdb.h"
 #include "deploy/process/exhaustion.h"
 #include "deploy/process/orderly_end.h"
 
@@ -361,6 +362,8 @@ int Number(const char* text) { return std::atoi(text); }
 
 int Main(int argc, char** argv) {
   if (argc != 5) return 2;
+  // Each copy of this process would take longer to load it than to read a file.
+  if (const auto vdb = Vdb::Load(); !vdb.ok()) return std::puts(vdb.status().ToString().c_str()), 2;
   const fs::path bad = argv[4];
   fs::create_directories(bad);
   std::vector<fs::path> files;
