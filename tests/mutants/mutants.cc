@@ -142,7 +142,7 @@ void ReadInCopy(const std::string& path, int file, int channel, pid_t parent) {
                          path};
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
-  ReadForParent(arguments.data());
+  ReadForParent(arguments.data(), [] {});
 }
 
 // Crashes and nonsense count as refusals, as ReaderProcess::Blame tells them.
@@ -380,9 +380,6 @@ int Main(int argc, char** argv) {
 }  // namespace latvox::client
 
 int main(int argc, char** argv) {
-  if (latvox::client::IsReader(argc, argv)) {
-    latvox::EndAsUsual();
-    latvox::client::ReadForParent(argv);
-  }
+  if (latvox::client::IsReader(argc, argv)) latvox::client::ReadForParent(argv, latvox::EndAsUsual);
   return latvox::client::Main(argc, argv);
 }

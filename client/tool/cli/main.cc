@@ -287,10 +287,7 @@ ExitStatus Main(int argc, char** argv) {
 const latvox::OrderlyEnd latvox::kOrderlyEnd = {"latvox", static_cast<int>(latvox::client::ExitStatus::kRefused)};
 
 int main(int argc, char** argv) {
-  if (latvox::client::IsReader(argc, argv)) {
-    latvox::EndAsUsual();
-    latvox::client::ReadForParent(argv);
-  }
+  if (latvox::client::IsReader(argc, argv)) latvox::client::ReadForParent(argv, latvox::EndAsUsual);
   const int status = static_cast<int>(latvox::client::Main(argc, argv));
   const bool loads = latvox::client::Vdb::State() == latvox::client::VdbState::kLoading;
   if (loads || latvox::client::AnyAbandoned()) _exit(status);

@@ -80,7 +80,7 @@ absl::StatusOr<GridContent> CannotConfine(const std::string& path, const absl::S
 
 bool IsReader(int argc, char** argv) { return argc == kArguments && argv[1] == std::string(kReaderArgument); }
 
-void ReadForParent(char** argv) {
+void ReadForParent(char** argv, void (*when_loaded)()) {
   int parent = 0;
   ReaderLimits limits;
   if (!absl::SimpleAtoi(argv[2], &parent) || !absl::SimpleAtoi(argv[3], &limits.memory) ||
@@ -99,6 +99,7 @@ void ReadForParent(char** argv) {
     if (!loaded.ok()) _exit(kReaderLacksLibrary);
     vdb = *loaded;
   }
+  when_loaded();
   // It asks the system about the file.
   __gnu_cxx::stdio_filebuf<char> buffer(kReaderFile, std::ios::in | std::ios::binary, kBufferBytes);
   std::istream in(&buffer);

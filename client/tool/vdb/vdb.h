@@ -44,7 +44,8 @@ class Vdb {
   static absl::Status Prepare();
 
   // Loads it, once for the process, and returns it; it stays loaded. A process that gives up its rights loads it
-  // before. Errors: FAILED_PRECONDITION, with the file: it is missing, of another version, or lacks a library.
+  // before. Errors: FAILED_PRECONDITION, with the file: it is missing, of another version, or lacks a library;
+  // RESOURCE_EXHAUSTED: memory.
   static absl::StatusOr<const Vdb*> Load();
 
   // In the state kLoading, a process must end by _exit: OpenVDB's libraries must not start while they end.

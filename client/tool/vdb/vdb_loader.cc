@@ -1,4 +1,5 @@
 #include <atomic>
+#include <cstdint>
 #include <filesystem>
 #include <future>
 #include <string>
@@ -7,6 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "client/tool/vdb/program_path.h"
 #include "client/tool/vdb/vdb.h"
+#include "deploy/process/exhaustion.h"
 
 #ifdef LATVOX_VDB_MODULE
 #include <dlfcn.h>
@@ -56,9 +58,13 @@ int BindDeep() {
   return one_allocator && one_stream ? RTLD_DEEPBIND : 0;
 }
 
+// Its libraries take 94 MB of addresses, stacks of threads included. They wait forever, or abort, without.
+constexpr uint64_t kAddresses = uint64_t{128} << 20;
+
 Loaded LoadModule() {
   const auto path = FindModule();
   if (!path.ok()) return path.status();
+  if (absl::Status status = CheckAddresses(kAddresses); !status.ok()) return status;
   void* const module = dlopen(path->c_str(), RTLD_NOW | RTLD_LOCAL | BindDeep());
   if (module == nullptr) return Missing(*path, absl::StrCat("cannot be loaded (", dlerror(), ")"));
   const auto entry = reinterpret_cast<decltype(&latvox_vdb)>(dlsym(module, "latvox_vdb"));
