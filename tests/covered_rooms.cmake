@@ -17,4 +17,5 @@ if(TARGET latvox_python) # with LATVOX_PYTHON, which tests/run turns on for this
 endif()
 latvox_test_room_from_outside(client/tool/hdf5 TESTS e2e.hdf5 PROGRAMS latvox latvoxd)
 latvox_test_room_from_outside(client/tool/inspect TESTS e2e.info PROGRAMS latvox latvoxd)
+latvox_test_room_from_outside(client/tool/vdb TESTS e2e.openvdb_late PROGRAMS latvox latvoxd)
 latvox_test_room_from_outside(client/tool/view TESTS e2e.view node.view PROGRAMS latvox latvoxd)

@@ -1,5 +1,6 @@
 #include "client/grid/difference_file.h"
 
+#include <iterator>
 #include <new>
 
 #include "client/grid/fill_grid.h"
@@ -12,8 +13,6 @@
 namespace latvox::client {
 namespace {
 
-constexpr const char* kNames[] = {"in both", "only in A", "only in B", "other values"};
-
 // Sets name, place and the metadata about the comparison.
 void DescribeDifference(const GridDifference& difference, const GridTransform& transform, const char* name,
                         openvdb::GridBase& grid) {
@@ -21,12 +20,10 @@ void DescribeDifference(const GridDifference& difference, const GridTransform& t
   Place(transform, grid);
   grid.insertMeta("latvox_difference_a", openvdb::StringMetadata(difference.a));
   grid.insertMeta("latvox_difference_b", openvdb::StringMetadata(difference.b));
-  DescribeNames({{std::begin(kNames), std::end(kNames)}, {}}, Field::kPart, grid);
+  DescribeNames({{std::begin(kDifferenceNames), std::end(kDifferenceNames)}, {}}, Field::kPart, grid);
 }
 
 }  // namespace
-
-const char* NameOf(DifferenceMark mark) { return kNames[static_cast<size_t>(mark)]; }
 
 absl::Status WriteDifferenceFile(const GridDifference& difference, const GridTransform& transform,
                                  const std::string& path) try {

@@ -2,6 +2,7 @@
 #ifndef LATVOX_CLIENT_GRID_DIFFERENCE_FILE_H_
 #define LATVOX_CLIENT_GRID_DIFFERENCE_FILE_H_
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -14,8 +15,8 @@ namespace latvox::client {
 // The numbers of voxels in the grid "part".
 enum class DifferenceMark : uint32_t { kSame, kOnlyA, kOnlyB, kOtherValues };
 
-// Returns "in both", "only in A", "only in B" or "other values".
-const char* NameOf(DifferenceMark mark);
+inline constexpr const char* kDifferenceNames[] = {"in both", "only in A", "only in B", "other values"};  // of each
+inline const char* NameOf(DifferenceMark mark) { return kDifferenceNames[static_cast<size_t>(mark)]; }
 
 // Voxels that differ. Numbers are in the order of BrickBatch.
 struct GridDifference {

@@ -11,6 +11,7 @@
 #include "absl/strings/str_cat.h"
 #include "client/grid/grid_reading.h"
 #include "client/grid/grid_stream.h"
+#include "client/grid/open_file.h"
 #include "client/grid/openvdb_trees.h"
 #include "client/grid/tree_nodes.h"
 #include "client/internal/printable.h"

@@ -1,10 +1,6 @@
 #include "client/grid/grid_reading.h"
 
-#include <cerrno>
 #include <cmath>
-#include <cstring>
-#include <filesystem>
-#include <system_error>
 
 #include "client/grid/grid_metadata.h"
 
@@ -29,19 +25,6 @@ bool IsFinite(const GridTransform& transform) {
 }
 
 }  // namespace
-
-absl::StatusOr<std::ifstream> OpenGridFile(const std::string& path) {
-  std::error_code error;
-  const std::filesystem::file_status status = std::filesystem::status(path, error);
-  if (!std::filesystem::exists(status)) return absl::NotFoundError(absl::StrCat(path, ": no such file"));
-  if (!std::filesystem::is_regular_file(status)) {
-    return absl::InvalidArgumentError(absl::StrCat(path, ": is not a file"));
-  }
-  errno = 0;
-  std::ifstream file(path, std::ios::binary);
-  if (file.is_open()) return file;
-  return absl::InvalidArgumentError(absl::StrCat(path, ": cannot be opened (", std::strerror(errno), ")"));
-}
 
 GridFileInfo Describe(const openvdb::GridBase& grid) {
   GridFileInfo info;

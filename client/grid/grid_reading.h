@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cstdint>
 #include <exception>
-#include <fstream>
 #include <istream>
 #include <new>
 #include <string>
@@ -16,6 +15,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/str_cat.h"
 #include "client/grid/grid_archive.h"
+#include "client/grid/open_file.h"
 #include "client/grid/openvdb_trees.h"
 #include "client/internal/printable.h"
 #include "latvox/grid/voxel_grid.h"
@@ -41,9 +41,6 @@ auto WithArchive(std::istream& in, const std::string& path, const Read& read)
   }
   return absl::InvalidArgumentError(absl::StrCat(path, ": is not a readable .vdb file (", why, ")"));
 }
-
-// Opens a regular file. Errors: NOT_FOUND; INVALID_ARGUMENT, with the path.
-absl::StatusOr<std::ifstream> OpenGridFile(const std::string& path);
 
 // Calls WithArchive for the file.
 template <class Read>

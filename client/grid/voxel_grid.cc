@@ -2,19 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <exception>
-#include <filesystem>
 #include <new>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "client/grid/grid_file.h"
-#include "client/grid/grid_frame.h"
 #include "client/grid/grid_metadata.h"
 #include "client/grid/grid_reading.h"
 #include "client/grid/grid_stream.h"
 #include "client/grid/nano_file.h"
+#include "client/grid/open_file.h"
 #include "client/grid/request_metadata.h"
 #include "client/grid/tree_nodes.h"
 #include "client/grid/warning_metadata.h"
@@ -38,10 +36,6 @@ absl::StatusOr<GridFile> Content(const openvdb::GridBase::Ptr& first, const std:
   file.bricks.reserve(leaves->size());
   for (const Leaf* leaf : *leaves) file.bricks.push_back(ToBrick(*leaf));
   return file;
-}
-
-absl::Status NoGrid(const std::string& path) {
-  return absl::InvalidArgumentError(absl::StrCat(path, ": holds no grid"));
 }
 
 // Returns the name of the grid that is read. Other grids may stand before it, because of their names.
@@ -124,21 +118,6 @@ absl::StatusOr<GridFile> ReadVoxels(GridArchive& archive, const std::string& pat
 
 absl::StatusOr<GridFile> ReadGridFile(const std::string& path) {
   return WithFile(path, [&](GridArchive& archive) { return ReadVoxels(archive, path); });
-}
-
-absl::StatusOr<std::string> ReadGridFileDigest(const std::string& path) {
-  auto file = OpenGridFile(path);
-  if (!file.ok()) return file.status();
-  try {
-    const GridFrame frame = ReadGridFrame(*file, std::filesystem::file_size(path));
-    if (frame.grids.empty()) return NoGrid(path);
-    for (const FrameMetadata& metadata : frame.grids.front().metadata) {
-      if (metadata.name == "latvox_digest" && metadata.type == "string") return metadata.value;
-    }
-    return "";
-  } catch (const std::exception& error) {
-    return absl::InvalidArgumentError(absl::StrCat(path, ": is not a readable .vdb file (", error.what(), ")"));
-  }
 }
 
 }  // namespace latvox::client

@@ -6,8 +6,8 @@
 #include "client/python/call.h"
 #include "client/python/voxels.h"
 #include "client/python/work.h"
-#include "client/tool/confined/reader_process.h"
 #include "client/tool/output/output.h"
+#include "client/tool/vdb/program_path.h"
 
 namespace latvox::client::python {
 namespace {
@@ -69,7 +69,7 @@ PYBIND11_MODULE(_latvox, module) {
   LeaveOutExitHandlers();
   module.attr("version") = LATVOX_VERSION;
   module.def("keywords", &Keywords);
-  module.def("set_reader_program", &SetReaderProgram, arg("path"));
+  module.def("set_program", &SetProgramPath, arg("path"));
   module.def("extensions", &OutputExtensions);
   BindVoxels(module);
   BindCalls(module);

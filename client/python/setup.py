@@ -41,8 +41,9 @@ class CMakeBuild(build_ext):
         path = pathlib.Path(self.get_ext_fullpath(extension.name)).resolve()
         (path.parent / "bin").mkdir(parents=True, exist_ok=True)
         shutil.copy2(folder / "client/python/latvox" / path.name, path)
-        for program in PROGRAMS:
-            shutil.copy2(folder / "bin" / program, path.parent / "bin" / program)
+        module = (file.name for file in (folder / "bin").glob("latvox-vdb.so"))  # unless it is a part of the program
+        for name in (*PROGRAMS, *module):
+            shutil.copy2(folder / "bin" / name, path.parent / "bin" / name)
 
 
 setup(version=version(), ext_modules=[Extension("latvox._latvox", [])], cmdclass={"build_ext": CMakeBuild})

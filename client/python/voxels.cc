@@ -6,6 +6,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "client/python/status.h"
+#include "client/python/work.h"
+#include "client/tool/vdb/vdb.h"
 #include "latvox/dense.h"
 #include "latvox/for_each_voxel.h"
 
@@ -170,6 +172,9 @@ void Save(const Voxels& voxels, const std::string& path, bool dense_npy) {
   {
     const py::gil_scoped_release release;
     written = Write(voxels, path, options);
+  }
+  if (Vdb::State() == VdbState::kLoaded) {
+    [[maybe_unused]] static const bool once = (LeaveOutExitHandlers(), true);
   }
   Check(written);
 }

@@ -13,6 +13,7 @@
 #include "absl/strings/str_cat.h"
 #include "client/python/status.h"
 #include "client/tool/cli/abandoned_work.h"
+#include "client/tool/vdb/vdb.h"
 #include "deploy/process/exhaustion.h"
 
 namespace latvox::client::python {
@@ -38,7 +39,7 @@ void LeaveOutExitHandlers() {
   static const pid_t process = getpid();
   // The last handler runs first.
   const auto end = [](int status, void*) {
-    if (getpid() == process && !AnyAbandoned()) return;
+    if (getpid() == process && !AnyAbandoned() && Vdb::State() != VdbState::kLoading) return;
     std::fflush(nullptr);
     _exit(status);
   };

@@ -20,9 +20,9 @@ namespace latvox::client::python {
 // exist in it, and its connections belong to the other process.
 absl::Status CheckProcess();
 
-// Call it once, when the module is loaded. If this process then ends as a fork, or with an abandoned thread of
-// client/tool/cli/abandoned_work.h, it leaves out the exit handlers of libraries that were loaded before. In a fork,
-// log4cplus's would wait forever for a thread that does not exist there. OpenVDB brings it.
+// Call it when the module is loaded, and again after OpenVDB is. If this process then ends as a fork, or with an
+// abandoned thread of client/tool/cli/abandoned_work.h, it leaves out the exit handlers of libraries that were loaded
+// before. In a fork, log4cplus's would wait forever for a thread that does not exist there. OpenVDB brings it.
 void LeaveOutExitHandlers();
 
 // Deletes an object in the process that made it. In a fork, an object with threads or a server must stay as it is.

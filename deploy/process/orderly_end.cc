@@ -74,8 +74,8 @@ void OnSignal(int signal_number) {
 
 alignas(16) char g_signal_stack[size_t{64} << 10];
 
-// The first part runs before the initializers of the libraries: log4cplus, which OpenVDB brings, starts threads there,
-// and ends the process if it cannot.
+// The first part runs before the initializers of the libraries, which may need memory or start threads, and end the
+// process if they cannot.
 void HandleFromTheStart(int, char**, char**) {
   std::set_terminate(OnTerminate);
   stack_t stack{};

@@ -65,7 +65,7 @@ class Damaged(Case):
                 crashes += "the library that read it ends with signal" in done.stderr
         self.assertGreater(crashes, 0, "no file crashes OpenVDB, so this test shows nothing")
 
-    # OpenVDB's library starts threads before main(). The sandbox closes while they start.
+    # OpenVDB's library starts threads when it is loaded. The sandbox closes while they start.
     def test_a_whole_file_is_read_each_time(self):
         self.voxelize(BUNNY, "--lattice", "bcc", "--resolution", "32", out="bunny.vdb")
         for _ in range(40):

@@ -9,7 +9,7 @@ import unittest
 from harness import BIN, PATIENCE, Case
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-PROGRAMS = [BIN / "latvox", BIN / "latvoxd"]
+PROGRAMS = [BIN / "latvox", *BIN.glob("latvox-vdb.so"), BIN / "latvoxd"]
 
 
 def sbom(*words):
@@ -32,7 +32,7 @@ class Sbom(Case):
             self.assertIn(package["versionInfo"], version.split(), name)
         listed = subprocess.run(["ldd", *PROGRAMS], capture_output=True, text=True, check=True).stdout
         self.assertGreater(len(self.packages), 20)
-        for library, name in (("libgrpc++", "libgrpc++1.51"), ("libssl", "libssl3"), ("libc.so", "libc6"), ("libtbb", "libtbb12")):
+        for library, name in (("libgrpc++", "libgrpc++1.51"), ("libssl", "libssl3"), ("libc.so", "libc6"), ("libtbb", "libtbb12"), ("libopenvdb", "libopenvdb10.0")):
             self.assertIn(library, listed)
             self.assertIn(name, self.packages)
 

@@ -52,6 +52,7 @@
 #include "client/tool/curve/curve_file.h"
 #include "client/tool/texture/base_color_sampler.h"
 #include "client/tool/texture/decode_image.h"
+#include "client/tool/vdb/vdb.h"
 #include "deploy/process/exhaustion.h"
 #include "deploy/process/orderly_end.h"
 
@@ -141,7 +142,7 @@ void ReadInCopy(const std::string& path, int file, int channel, pid_t parent) {
                          path};
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
-  ReadForParent(arguments.data());
+  ReadForParent(arguments.data(), [] {});
 }
 
 // Crashes and nonsense count as refusals, as ReaderProcess::Blame tells them.
@@ -361,6 +362,8 @@ int Number(const char* text) { return std::atoi(text); }
 
 int Main(int argc, char** argv) {
   if (argc != 5) return 2;
+  // Each copy of this process would take longer to load it than to read a file.
+  if (const auto vdb = Vdb::Load(); !vdb.ok()) return std::puts(vdb.status().ToString().c_str()), 2;
   const fs::path bad = argv[4];
   fs::create_directories(bad);
   std::vector<fs::path> files;
@@ -377,9 +380,6 @@ int Main(int argc, char** argv) {
 }  // namespace latvox::client
 
 int main(int argc, char** argv) {
-  if (latvox::client::IsReader(argc, argv)) {
-    latvox::EndAsUsual();
-    latvox::client::ReadForParent(argv);
-  }
+  if (latvox::client::IsReader(argc, argv)) latvox::client::ReadForParent(argv, latvox::EndAsUsual);
   return latvox::client::Main(argc, argv);
 }

@@ -280,6 +280,13 @@ def test_a_fork_before_the_first_call_has_its_own_server(run):
     assert error == "" and len(lines) == 2 and lines[0] == lines[1]
 
 
+def test_a_fork_after_a_grid_was_saved_ends(run):
+    saved = "with tempfile.TemporaryDirectory() as folder: v.save(folder + '/v.vdb')"
+    process = run(FORKED.format(before=f"import tempfile\nv = latvox.voxelize(mesh, resolution=9)\n{saved}"))
+    out, error = process.communicate(timeout=20)
+    assert error == "" and process.returncode == 0 and len(out.splitlines()) == 2, (out, error)
+
+
 def test_a_fork_after_a_call_refuses_and_leaves_the_parents_server_alone(run):
     before = "client, v = latvox.Client(), latvox.voxelize(mesh, resolution=9)\nstream = client.stream(mesh, resolution=900)"
     process = run(FORKED.format(before=before))

@@ -18,7 +18,10 @@ def test_pip_installs_the_package(tmp_path):
     command = [sys.executable, "-m", "pip", "install", source / "client/python", *options]
     installed = subprocess.run(command, capture_output=True, text=True, env=os.environ | {"PYTHONDONTWRITEBYTECODE": "1"})
     assert installed.returncode == 0, installed.stdout + installed.stderr
-    program = "import latvox, sys; print(latvox.__version__, latvox.__file__, latvox.voxelize(sys.argv[1], resolution=9).digest)"
+    program = (
+        "import latvox, sys; v = latvox.voxelize(sys.argv[1], resolution=9); v.save('a.vdb');"
+        "print(latvox.__version__, latvox.__file__, v.digest)"
+    )
     environment = {"PYTHONPATH": str(target), "PATH": "/usr/bin"}
     run = [sys.executable, "-B", "-c", program, BUNNY]
     done = subprocess.run(run, capture_output=True, text=True, cwd=tmp_path, env=environment, timeout=60)
@@ -26,4 +29,5 @@ def test_pip_installs_the_package(tmp_path):
     version, file, digest = done.stdout.split()
     assert (version, digest) == (latvox.__version__, latvox.voxelize(BUNNY, resolution=9).digest)
     assert file == str(target / "latvox/__init__.py") and (target / "latvox/py.typed").exists()
-    assert sorted(path.name for path in (target / "latvox/bin").iterdir() if not path.is_symlink()) == ["latvox", "latvoxd"]
+    files = sorted(path.name for path in (target / "latvox/bin").iterdir() if not path.is_symlink())
+    assert files == ["latvox", "latvox-vdb.so", "latvoxd"]

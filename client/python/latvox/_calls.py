@@ -31,7 +31,7 @@ def _refuse_unknown(options: Dict[str, Any], *scopes: str) -> None:
 
 
 _PROGRAMS = pathlib.Path(__file__).parent / "bin"
-_latvox.set_reader_program(str(_PROGRAMS / "latvox"))
+_latvox.set_program(str(_PROGRAMS / "latvox"))
 
 
 def _server() -> str:

@@ -13,6 +13,7 @@
 #include "client/tool/output/cell_index.h"
 #include "client/tool/output/picture.h"
 #include "client/tool/output/picture_scene.h"
+#include "client/tool/vdb/vdb.h"
 #include "latvox/for_each_voxel.h"
 
 namespace latvox::client {
@@ -150,7 +151,9 @@ absl::StatusOr<std::vector<std::unique_ptr<AtomicFile>>> WriteDifferences(const 
     if (!file.ok()) return file.status();
     if (absl::EndsWithIgnoreCase(path, ".vdb")) {
       const GridDifference difference = DifferenceOf(all, words, is_band);
-      if (auto status = WriteDifferenceFile(difference, transform, (*file)->temporary()); !status.ok()) {
+      const auto vdb = Vdb::Load();
+      if (!vdb.ok()) return vdb.status();
+      if (auto status = (*vdb)->WriteDifference(difference, transform, (*file)->temporary()); !status.ok()) {
         return (*file)->Named(status);
       }
     } else {

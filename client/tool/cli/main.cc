@@ -34,6 +34,7 @@
 #include "client/tool/confined/reader_main.h"
 #include "client/tool/output/output.h"
 #include "client/tool/output/standard_output.h"
+#include "client/tool/vdb/vdb.h"
 #include "deploy/manual/command_parser.h"
 #include "deploy/manual/completions.h"
 #include "deploy/process/exhaustion.h"
@@ -286,11 +287,9 @@ ExitStatus Main(int argc, char** argv) {
 const latvox::OrderlyEnd latvox::kOrderlyEnd = {"latvox", static_cast<int>(latvox::client::ExitStatus::kRefused)};
 
 int main(int argc, char** argv) {
-  if (latvox::client::IsReader(argc, argv)) {
-    latvox::EndAsUsual();
-    latvox::client::ReadForParent(argv);
-  }
+  if (latvox::client::IsReader(argc, argv)) latvox::client::ReadForParent(argv, latvox::EndAsUsual);
   const int status = static_cast<int>(latvox::client::Main(argc, argv));
-  if (latvox::client::AnyAbandoned()) _exit(status);
+  const bool loads = latvox::client::Vdb::State() == latvox::client::VdbState::kLoading;
+  if (loads || latvox::client::AnyAbandoned()) _exit(status);
   return status;
 }

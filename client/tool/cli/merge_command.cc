@@ -9,7 +9,7 @@
 #include "client/tool/cli/report.h"
 #include "client/tool/confined/foreign_grid.h"
 #include "client/tool/output/atomic_file.h"
-#include "latvox/grid/merge.h"
+#include "client/tool/vdb/vdb.h"
 
 namespace latvox::client {
 namespace {
@@ -42,11 +42,13 @@ absl::StatusOr<std::string> RunMerge(const MergeWords& words, const Cancellation
   const absl::Time start = absl::Now();
   AllowManyOpenFiles();
   const std::string& output = words.outputs.front();
+  const auto vdb = Vdb::Load();
+  if (!vdb.ok()) return vdb.status();
   auto file = AtomicFile::Create(output);
   if (!file.ok()) return file.status();
   ProgressBar bar;
   bar.Stage("merging");
-  const auto merged = MergeParts(
+  const auto merged = (*vdb)->Merge(
       words.parts, (*file)->temporary(), cancellation,
       [&bar](double share, uint64_t bricks) { bar.Show(share, "bricks", bricks); },
       [&cancellation](const std::string& path) { return ReadForeignContent(path, /*values=*/true, cancellation); });

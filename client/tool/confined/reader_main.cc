@@ -15,12 +15,12 @@
 #include "absl/status/status.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
-#include "client/grid/grid_stream.h"
 #include "client/tool/confined/content_wire.h"
 #include "client/tool/confined/hdf5_info.h"
 #include "client/tool/confined/reader_process.h"
 #include "client/tool/confined/reader_sandbox.h"
 #include "client/tool/hdf5/hdf5_library.h"
+#include "client/tool/vdb/vdb.h"
 #include "deploy/process/exhaustion.h"
 
 namespace latvox::client {
@@ -63,14 +63,10 @@ class Channel {
   std::string buffer_;
 };
 
-absl::StatusOr<GridContent> Read(std::istream& in, const std::string& what, const std::string& path) {
-  if (what == kReadHdf5) {
-    auto info = ReadHdf5Info(kReaderFile, path);
-    if (!info.ok()) return info.status();
-    return GridContent{{*std::move(info), {}}};
-  }
-  if (what != kReadInfo) return ReadGridContent(in, path, /*values=*/what == kReadContent);
-  auto info = ReadGridFileInfo(in, path);
+// A .h5 needs no `vdb`.
+absl::StatusOr<GridContent> Read(const Vdb* vdb, std::istream& in, const std::string& what, const std::string& path) {
+  if (what == kReadVoxels || what == kReadContent) return vdb->ReadContent(in, path, /*values=*/what == kReadContent);
+  auto info = vdb == nullptr ? ReadHdf5Info(kReaderFile, path) : vdb->ReadInfo(in, path);
   if (!info.ok()) return info.status();
   return GridContent{{*std::move(info), {}}};
 }
@@ -84,7 +80,7 @@ absl::StatusOr<GridContent> CannotConfine(const std::string& path, const absl::S
 
 bool IsReader(int argc, char** argv) { return argc == kArguments && argv[1] == std::string(kReaderArgument); }
 
-void ReadForParent(char** argv) {
+void ReadForParent(char** argv, void (*when_loaded)()) {
   int parent = 0;
   ReaderLimits limits;
   if (!absl::SimpleAtoi(argv[2], &parent) || !absl::SimpleAtoi(argv[3], &limits.memory) ||
@@ -94,14 +90,22 @@ void ReadForParent(char** argv) {
   // TBB looks around in the system when it is first used, and would start threads.
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
   tbb::parallel_for(0, 2, [](int) {});
-  // It opens files. Errors come later.
-  if (argv[5] == std::string(kReadHdf5)) static_cast<void>(Hdf5::Load());
+  // Libraries open files while they are loaded.
+  const Vdb* vdb = nullptr;
+  if (argv[5] == std::string(kReadHdf5)) {
+    static_cast<void>(Hdf5::Load());  // errors come later
+  } else {
+    const auto loaded = Vdb::Load();
+    if (!loaded.ok()) _exit(kReaderLacksLibrary);
+    vdb = *loaded;
+  }
+  when_loaded();
   // It asks the system about the file.
   __gnu_cxx::stdio_filebuf<char> buffer(kReaderFile, std::ios::in | std::ios::binary, kBufferBytes);
   std::istream in(&buffer);
   const bool has_own_limit = AddressLimit() != UINT64_MAX;
   const absl::Status confined = ConfineReader(parent, limits);
-  const auto content = confined.ok() ? Read(in, argv[5], argv[6]) : CannotConfine(argv[6], confined);
+  const auto content = confined.ok() ? Read(vdb, in, argv[5], argv[6]) : CannotConfine(argv[6], confined);
   if (confined.ok() && content.status().code() == absl::StatusCode::kResourceExhausted && !has_own_limit)
     _exit(kReaderOutOfMemory);
   Channel channel;

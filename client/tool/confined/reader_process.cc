@@ -15,6 +15,8 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "client/tool/vdb/program_path.h"
+#include "client/tool/vdb/vdb.h"
 
 namespace latvox::client {
 namespace {
@@ -66,11 +68,6 @@ class SpawnSetting {
   posix_spawn_file_actions_t files;
 };
 
-std::string& ReaderProgram() {
-  static auto* const path = new std::string("/proc/self/exe");
-  return *path;
-}
-
 // Returns errno. Both files have numbers above kReaderChannel, so that no duplicate closes the other.
 int Spawn(std::vector<std::string> words, int file, int channel, pid_t& pid) {
   std::vector<char*> arguments;
@@ -82,7 +79,7 @@ int Spawn(std::vector<std::string> words, int file, int channel, pid_t& pid) {
   std::string libraries = absl::StrCat(kLibraries, "=", folders != nullptr ? folders : "");
   char* environment[] = {folders != nullptr ? libraries.data() : nullptr, nullptr};
   SpawnSetting setting(file, channel);
-  return posix_spawn(&pid, ReaderProgram().c_str(), &setting.files, &setting.attributes, arguments.data(), environment);
+  return posix_spawn(&pid, ProgramPath().c_str(), &setting.files, &setting.attributes, arguments.data(), environment);
 }
 
 absl::Status CannotOpen(const std::string& path, int error) {
@@ -98,8 +95,6 @@ absl::Status CannotStart(const std::string& path, int error) {
 int Above(int fd) { return fcntl(fd, F_DUPFD_CLOEXEC, kReaderChannel + 1); }
 
 }  // namespace
-
-void SetReaderProgram(const std::string& path) { ReaderProgram() = path; }
 
 ReaderLimits ReaderLimitsFor(uint64_t file_bytes) {
   return {std::max(kLeastMemory, kMemoryPerByte * file_bytes), kLeastSeconds + file_bytes / kBytesPerSecond};
@@ -174,6 +169,11 @@ absl::Status ReaderProcess::Damaged(const std::string& why) const {
 absl::Status ReaderProcess::BlameEnd(int code, int status) const {
   if (code == CLD_EXITED) {
     if (status == kReaderDone) return Damaged(": the process that read it sent too little");
+    if (status == kReaderLacksLibrary) {
+      const auto vdb = Vdb::Load();  // for the reason
+      if (!vdb.ok()) return vdb.status();
+      return absl::ResourceExhaustedError(absl::StrCat(path_, ": the process that reads it cannot load OpenVDB"));
+    }
     if (status == kReaderOutOfMemory) {
       return Damaged(absl::StrCat(", or needs more than ", limits_.memory, " bytes of memory to read"));
     }

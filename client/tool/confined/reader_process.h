@@ -22,6 +22,7 @@ inline constexpr int kReaderFile = 3, kReaderChannel = 4;
 // Its exit statuses.
 inline constexpr int kReaderDone = 0;          // a result or an error was sent
 inline constexpr int kReaderMisused = 1;       // its arguments are none
+inline constexpr int kReaderLacksLibrary = 2;  // Vdb::Load fails
 inline constexpr int kReaderOutOfMemory = 77;  // beyond ReaderLimits
 inline constexpr int kReaderCannotSend = 100;  // and errno, which is below 156 on Linux
 
@@ -33,16 +34,12 @@ struct ReaderLimits {
 };
 ReaderLimits ReaderLimitsFor(uint64_t file_bytes);
 
-// Readers run this program from now on. Its main() must ask IsReader. Call it before any reader starts, in a process
-// whose own main() does not ask.
-void SetReaderProgram(const std::string& path);
-
 // A child of this process, which ends with it. Not thread-safe.
 class ReaderProcess {
  public:
-  // Starts this program again, or the one of SetReaderProgram, for a regular file. `what` and `path` are its arguments.
-  // Errors: NOT_FOUND; INVALID_ARGUMENT (no regular file, not readable), with the path; RESOURCE_EXHAUSTED (no
-  // process).
+  // Starts the program of ProgramPath, whose main() must ask IsReader, for a regular file. `what` and `path` are its
+  // arguments. Errors: NOT_FOUND; INVALID_ARGUMENT (no regular file, not readable), with the path; RESOURCE_EXHAUSTED
+  // (no process).
   static absl::StatusOr<std::unique_ptr<ReaderProcess>> Start(const std::string& path, const std::string& what,
                                                               const Cancellation& cancellation);
   ~ReaderProcess();  // kills it
@@ -54,7 +51,7 @@ class ReaderProcess {
   absl::Status Receive(void* to, size_t bytes);
 
   // Kills the process, and returns INVALID_ARGUMENT with the path: that the file is damaged, and how the process ended.
-  // RESOURCE_EXHAUSTED if the system had too little memory for it.
+  // RESOURCE_EXHAUSTED if the system had too little memory for it. The error of Vdb::Load if it had no OpenVDB.
   absl::Status Blame();
 
   const ReaderLimits& limits() const { return limits_; }

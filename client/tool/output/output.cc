@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <functional>
 #include <optional>
-#include <type_traits>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -27,32 +26,26 @@
 #include "client/tool/output/vox_output.h"
 #include "client/tool/output/voxel_colors.h"
 #include "client/tool/output/vtk_output.h"
+#include "client/tool/vdb/vdb.h"
 #include "latvox/error.h"
-#include "latvox/grid/distance_grid.h"
-#include "latvox/grid/field_grids.h"
-#include "latvox/grid/voxel_grid.h"
 
 namespace latvox::client {
 namespace {
 
-// Grid is VoxelGrid, DistanceGrid or FieldGrids.
-template <class Grid>
 class GridOutput final : public Output {
  public:
-  using NewGrid = std::function<Grid(const GridTransform&)>;
-  using Write = std::function<absl::Status(Grid&, const std::string& path)>;  // writes a file
+  using NewGrid = std::function<Vdb::NewGrid(const Vdb&, const GridTransform&)>;
 
-  GridOutput(std::unique_ptr<AtomicFile> file, VoxelizeRequest request, MeshNote note, NewGrid new_grid, Write write)
-      : file_(std::move(file)),
-        request_(std::move(request)),
-        note_(std::move(note)),
-        new_grid_(std::move(new_grid)),
-        write_(std::move(write)) {}
+  GridOutput(std::unique_ptr<AtomicFile> file, VoxelizeRequest request, MeshNote note, NewGrid new_grid)
+      : file_(std::move(file)), request_(std::move(request)), note_(std::move(note)), new_grid_(std::move(new_grid)) {}
 
   void SetNames(const CarriedNames& names) override { names_ = names; }
   absl::Status Begin(const Accepted& accepted) override {
-    if (auto status = CheckGridTransform(accepted.grid); !status.ok()) return Named(status);
-    grid_.emplace(new_grid_(accepted.grid));
+    const auto vdb = Vdb::Load();
+    if (!vdb.ok()) return vdb.status();
+    auto grid = new_grid_(**vdb, accepted.grid);
+    if (!grid.ok()) return Named(grid.status());
+    grid_ = *std::move(grid);
     note_.facts = accepted.mesh;
     request_.placement = accepted.placement;  // the metadata state it, whatever a later version's default is
     return absl::OkStatus();
@@ -60,11 +53,8 @@ class GridOutput final : public Output {
   absl::Status Add(const BrickBatch& batch) override { return grid_->Add(batch); }
   absl::Status Finish(const Summary& summary) override {
     if (!note_.quantization) note_.quantization = static_cast<int>(summary.certificate.quantization_bits);
-    grid_->SetRequest(request_, note_);
-    grid_->SetCertificate(summary.certificate);
-    if constexpr (std::is_same_v<Grid, FieldGrids>) grid_->SetNames(names_);
-    grid_->SetWarnings(summary.warnings);
-    if (auto status = write_(*grid_, file_->temporary()); !status.ok()) return file_->Named(status);
+    grid_->Describe(request_, note_, names_, summary);
+    if (auto status = grid_->Write(file_->temporary()); !status.ok()) return file_->Named(status);
     return file_->Sync();
   }
   absl::Status Commit() override { return file_->Commit(); }
@@ -81,45 +71,33 @@ class GridOutput final : public Output {
   VoxelizeRequest request_;
   MeshNote note_;
   const NewGrid new_grid_;
-  const Write write_;
   CarriedNames names_;
-  std::optional<Grid> grid_;
+  std::unique_ptr<VdbGrid> grid_;
 };
-
-VoxelGrid NewVoxelGrid(const GridTransform& grid) { return VoxelGrid(grid); }
 
 std::unique_ptr<Output> NewNvdbOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request,
                                       const OutputOptions& options) {
-  return std::make_unique<GridOutput<VoxelGrid>>(std::move(file), request, options.note, NewVoxelGrid,
-                                                 &VoxelGrid::WriteNano);
+  return std::make_unique<GridOutput>(std::move(file), request, options.note, &Vdb::NewNanoGrid);
 }
 
-// A band with distances alone is a level set, as far as it is one.
-std::unique_ptr<Output> NewDistanceVdbOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request,
-                                             const OutputOptions& options) {
+// Returns what a grid of a .vdb file is made by. A band with distances alone is a level set, as far as it is one.
+GridOutput::NewGrid NewGridFor(const VoxelizeRequest& request) {
+  const std::vector<Field>& fields = request.fields;
+  if (fields.empty()) return &Vdb::NewVoxelGrid;
+  const auto* const band = std::get_if<Band>(&request.set);
+  if (band == nullptr || fields != std::vector<Field>{Field::kDistance}) {
+    return [fields](const Vdb& vdb, const GridTransform& grid) { return vdb.NewFieldGrids(grid, fields); };
+  }
   const bool whole = !request.region && !request.bounds && !request.shard;
-  const auto new_grid = [band = std::get<Band>(request.set), is_signed = request.signed_distance,
-                         whole](const GridTransform& grid) {
+  return [band = *band, is_signed = request.signed_distance, whole](const Vdb& vdb, const GridTransform& grid) {
     const double width = band.in_voxels ? band.width * grid.voxel_size : band.width;
-    return DistanceGrid(grid, width, is_signed, whole);
+    return vdb.NewDistanceGrid(grid, width, is_signed, whole);
   };
-  return std::make_unique<GridOutput<DistanceGrid>>(std::move(file), request, options.note, new_grid,
-                                                    &DistanceGrid::Write);
 }
 
 std::unique_ptr<Output> NewVdbOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request,
                                      const OutputOptions& options) {
-  const std::vector<Field>& fields = request.fields;
-  if (fields.empty()) {
-    return std::make_unique<GridOutput<VoxelGrid>>(std::move(file), request, options.note, NewVoxelGrid,
-                                                   &VoxelGrid::Write);
-  }
-  if (std::holds_alternative<Band>(request.set) && fields == std::vector<Field>{Field::kDistance}) {
-    return NewDistanceVdbOutput(std::move(file), request, options);
-  }
-  const auto new_grids = [fields](const GridTransform& grid) { return FieldGrids(grid, fields); };
-  return std::make_unique<GridOutput<FieldGrids>>(std::move(file), request, options.note, new_grids,
-                                                  &FieldGrids::Write);
+  return std::make_unique<GridOutput>(std::move(file), request, options.note, NewGridFor(request));
 }
 
 std::unique_ptr<Output> NewPngOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request,
@@ -207,21 +185,22 @@ struct Format {
   const char *extension, *what;
   NewOutput open;
   Holds holds;
-  bool is_placed = true;  // it tells where in the world the voxels are
+  bool is_placed = true;    // it tells where in the world the voxels are
+  bool by_openvdb = false;  // a .html is made of a .vdb
 };
 
 constexpr char kLinksCsv[] = ".links.csv", kLinksNpz[] = ".links.npz", kCellsVtu[] = ".cells.vtu";
 constexpr char kCsv[] = ".csv", kNpy[] = ".npy", kPly[] = ".ply", kMhd[] = ".mhd", kNiiGz[] = ".nii.gz";
 
 constexpr Format kFormats[] = {
-    {".vdb", "OpenVDB", NewVdbOutput, Holds::kFixed},
-    {".nvdb", "NanoVDB", NewNvdbOutput, Holds::kNone},
+    {".vdb", "OpenVDB", NewVdbOutput, Holds::kFixed, /*is_placed=*/true, /*by_openvdb=*/true},
+    {".nvdb", "NanoVDB", NewNvdbOutput, Holds::kNone, /*is_placed=*/true, /*by_openvdb=*/true},
     {kCsv, "table", NewTable<kCsv>, Holds::kAll},
     {kNpy, "NumPy", NewNpyOutput, Holds::kAll, /*is_placed=*/false},
     {".npz", "NumPy, dense and placed", NewArchiveOutput, Holds::kAll},
     {kPly, "points", NewTable<kPly>, Holds::kAll},
     {".png", "picture", NewPngOutput, Holds::kFixed, /*is_placed=*/false},
-    {".html", "page", NewHtmlOutput, Holds::kFixed},
+    {".html", "page", NewHtmlOutput, Holds::kFixed, /*is_placed=*/true, /*by_openvdb=*/true},
     {".glb", "surface of cells", NewFacetOutput, Holds::kColor},
     {".binvox", "binvox", NewCubeOutput, Holds::kNone},
     {".vox", "MagicaVoxel", NewSceneOutput, Holds::kPainted, /*is_placed=*/false},
@@ -319,6 +298,9 @@ absl::StatusOr<std::unique_ptr<Output>> OpenOutput(const std::string& path, cons
   const std::string extension = ExtensionOf(path);
   for (const Format& format : kFormats) {
     if (extension != format.extension || !CanHold(format, request.fields)) continue;
+    if (format.by_openvdb) {
+      if (auto status = Vdb::Prepare(); !status.ok()) return status;
+    }
     auto file = AtomicFile::Create(path);
     if (!file.ok()) return file.status();
     return format.open(*std::move(file), request, options);

@@ -111,7 +111,8 @@ std::optional<Warning> WarningOfPlace(const std::vector<std::string>& paths);
 //   images   one field
 // Voxels come in the order of the stream, those of a brick in lexicographic order. Memory does not grow with the
 // voxels, except for .vdb, .nvdb, .html, .glb, .binvox, .vox and dense arrays: .npy, .npz, .vti and images, and .vtu.
-// Errors: INVALID_ARGUMENT (extension); FAILED_PRECONDITION (the file cannot be created).
+// Errors: INVALID_ARGUMENT (extension); FAILED_PRECONDITION: the file cannot be created; of .vdb, .nvdb and .html,
+// those of Vdb::Prepare, and later those of Vdb::Load.
 absl::StatusOr<std::unique_ptr<Output>> OpenOutput(const std::string& path, const VoxelizeRequest& request = {},
                                                    const OutputOptions& options = {});
 

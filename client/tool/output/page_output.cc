@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "client/tool/vdb/vdb.h"
 #include "latvox/grid/grid_content.h"
 
 namespace latvox::client {
@@ -30,7 +31,9 @@ class PageOutput final : public Output {
 
   absl::Status Finish(const Summary& summary) override {
     if (auto status = grid_->Finish(summary); !status.ok()) return status;
-    const auto content = ReadGridContent(grid_path_);
+    const auto vdb = Vdb::Load();
+    if (!vdb.ok()) return vdb.status();
+    const auto content = (*vdb)->ReadOwnContent(grid_path_);
     grid_.reset();
     if (!content.ok()) return content.status();
     const auto page = make_page_(*content, std::filesystem::path(file_->target()).stem().string(), up_);

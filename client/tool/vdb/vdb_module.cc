@@ -1,0 +1,93 @@
+#include <functional>
+#include <memory>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/string_view.h"
+#include "client/grid/grid_stream.h"
+#include "client/grid/metadata_texts.h"
+#include "client/tool/vdb/vdb.h"
+#include "latvox/grid/distance_grid.h"
+#include "latvox/grid/field_grids.h"
+#include "latvox/grid/voxel_grid.h"
+
+namespace latvox::client {
+namespace {
+
+template <class Grid>
+class AnyGrid final : public VdbGrid {
+ public:
+  using WriteGrid = std::function<absl::Status(Grid&, const std::string& path)>;
+
+  AnyGrid(Grid grid, WriteGrid write) : grid_(std::move(grid)), write_(std::move(write)) {}
+
+  absl::Status Add(const BrickBatch& batch) override { return grid_.Add(batch); }
+  void Describe(const VoxelizeRequest& request, const MeshNote& note, const CarriedNames& names,
+                const Summary& summary) override {
+    grid_.SetRequest(request, note);
+    grid_.SetCertificate(summary.certificate);
+    if constexpr (std::is_same_v<Grid, FieldGrids>) grid_.SetNames(names);
+    grid_.SetWarnings(summary.warnings);
+  }
+  absl::Status Write(const std::string& path) override { return write_(grid_, path); }
+
+ private:
+  Grid grid_;
+  const WriteGrid write_;
+};
+
+// Returns the grid Grid(transform, facts...), which `write` writes.
+template <class Grid, class Write, class... Facts>
+Vdb::NewGrid New(Write write, const GridTransform& transform, const Facts&... facts) {
+  if (absl::Status status = CheckGridTransform(transform); !status.ok()) return status;
+  return std::make_unique<AnyGrid<Grid>>(Grid(transform, facts...), write);
+}
+
+class Module final : public Vdb {
+ public:
+  NewGrid NewVoxelGrid(const GridTransform& transform) const override {
+    return New<VoxelGrid>(&VoxelGrid::Write, transform);
+  }
+  NewGrid NewNanoGrid(const GridTransform& transform) const override {
+    return New<VoxelGrid>(&VoxelGrid::WriteNano, transform);
+  }
+  NewGrid NewDistanceGrid(const GridTransform& transform, double width, bool is_signed, bool whole) const override {
+    return New<DistanceGrid>(&DistanceGrid::Write, transform, width, is_signed, whole);
+  }
+  NewGrid NewFieldGrids(const GridTransform& transform, const std::vector<Field>& fields) const override {
+    return New<FieldGrids>(&FieldGrids::Write, transform, fields);
+  }
+  absl::StatusOr<GridFileInfo> ReadInfo(std::istream& in, const std::string& path) const override {
+    return ReadGridFileInfo(in, path);
+  }
+  absl::StatusOr<GridContent> ReadContent(std::istream& in, const std::string& path, bool values) const override {
+    return ReadGridContent(in, path, values);
+  }
+  absl::StatusOr<GridContent> ReadOwnContent(const std::string& path) const override { return ReadGridContent(path); }
+  absl::StatusOr<MergedGrid> Merge(const std::vector<std::string>& parts, const std::string& path,
+                                   const Cancellation& cancellation,
+                                   const std::function<void(double, uint64_t)>& progress,
+                                   const ReadPart& read) const override {
+    return MergeParts(parts, path, cancellation, progress, read);
+  }
+  absl::Status WriteDifference(const GridDifference& difference, const GridTransform& transform,
+                               const std::string& path) const override {
+    return WriteDifferenceFile(difference, transform, path);
+  }
+  std::vector<std::pair<std::string, std::string>> Texts(const VoxelizeRequest& request, const MeshNote& note,
+                                                         const CarriedNames& names,
+                                                         const Summary& summary) const override {
+    return MetadataTexts(request, note, names, summary);
+  }
+};
+
+}  // namespace
+
+const Vdb* latvox_vdb(const char* version) {
+  static const Module module;
+  return version == absl::string_view(LATVOX_VERSION) ? &module : nullptr;
+}
+
+}  // namespace latvox::client
