@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "core/block/block_box.h"
 #include "core/block/tile_context.h"
@@ -17,9 +18,11 @@ namespace latvox {
 class CandidateParts {
  public:
   // Begins a block.
-  //   triangles   must live until the block is done
-  void Reset(std::span<const uint32_t> triangles) {
+  //   triangles   must live until the block is done, as must `frames`
+  //   frames      along whose directions the triangles are scanned
+  void Reset(std::span<const uint32_t> triangles, const std::vector<ScanFrame>& frames) {
     triangles_ = triangles;
+    frames_ = &frames;
     kept_ = false;
     candidates_.Clear();
   }
@@ -34,8 +37,8 @@ class CandidateParts {
     do {
       const size_t begin = end;
       candidates_.Clear();
-      end += FindCandidates(context.mesh, triangles_.subspan(begin), context.frames, where.box, where.layout,
-                            context.stop, kEnough, candidates_);
+      end += FindCandidates(context.mesh, triangles_.subspan(begin), *frames_, where.box, where.layout, context.stop,
+                            kEnough, candidates_);
       kept_ = begin == 0 && end >= triangles_.size();
       f(candidates_);
     } while (end < triangles_.size() && !context.stop.Stopped());
@@ -45,6 +48,7 @@ class CandidateParts {
 
  private:
   std::span<const uint32_t> triangles_;
+  const std::vector<ScanFrame>* frames_ = nullptr;
   Candidates candidates_;
   bool kept_ = false;  // whether they belong to all triangles
 };

@@ -28,7 +28,7 @@ class LinkScan {
   //   triangles   all that come within a step of the node; more do no harm. Must live until the node is done
   void Begin(const TileContext& context, const TileNode& node, std::span<const uint32_t> triangles) {
     where_ = BlockBox(context, node, 1);
-    candidates_.Reset(triangles);
+    candidates_.Reset(triangles, context.frames);
   }
 
   const BlockBox& where() const { return where_; }

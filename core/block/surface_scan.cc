@@ -10,14 +10,14 @@ namespace latvox {
 ScannedSurface SurfaceScan::Scan(const TileContext& context, const TileNode& node, int32_t halo,
                                  std::span<const uint32_t> triangles) {
   voxels_.Reset(BlockBox(context, node, halo));
-  candidates_.Reset({});
+  candidates_.Reset({}, context.frames);
   rim_only_.clear();
   if (context.supercover != nullptr) {
-    CoverAll(context, triangles);
+    cover_.Add(context, triangles, candidates_, memory_, voxels_);
     return {voxels_, candidates_, rim_only_, memory_};
   }
   voxels_.where().ForEachTinyBatch(context, [this](const Crossings& some) { voxels_.Add(some.nearer.view()); });
-  candidates_.Reset(context.is_tiny.empty() ? triangles : WithoutTiny(context, triangles));
+  candidates_.Reset(context.is_tiny.empty() ? triangles : WithoutTiny(context, triangles), context.frames);
   if (!context.stop.Stopped()) {
     candidates_.ForEach(context, voxels_.where(), [&](const Candidates& candidates) {
       voxels_.Add(candidates.nearer.view());
@@ -25,22 +25,6 @@ ScannedSurface SurfaceScan::Scan(const TileContext& context, const TileNode& nod
     });
   }
   return {voxels_, candidates_, rim_only_, memory_};
-}
-
-void SurfaceScan::CoverAll(const TileContext& context, std::span<const uint32_t> triangles) {
-  const BlockBox& where = voxels_.where();
-  NumberRange covered;
-  for (const uint32_t t : triangles) {
-    if (context.stop.Stopped()) break;
-    const auto& [a, b, c] = context.mesh.triangles[t];
-    const auto& v = context.mesh.vertices_lat;
-    context.supercover->ForEachRun({v[a], v[b], v[c]}, where.box, [&](const Vec3i& first, int32_t count) {
-      const uint32_t number = where.layout.NumberOf(first), size = static_cast<uint32_t>(count);
-      covered.Add({number, number + size - 1});
-      voxels_.bits().SetRun(number, size);
-    });
-  }
-  voxels_.MarkPlanesDirty(covered);
 }
 
 std::span<const uint32_t> SurfaceScan::WithoutTiny(const TileContext& context, std::span<const uint32_t> triangles) {
@@ -68,8 +52,8 @@ void SurfaceScan::AddRim(const TileContext& context, const Candidates& candidate
 }
 
 size_t SurfaceScan::Bytes() const {
-  return voxels_.Bytes() + BytesOf(others_) + candidates_.Bytes() + BytesOf(rim_only_) + memory_.Bytes() +
-         BytesOf(added_);
+  return voxels_.Bytes() + BytesOf(others_) + candidates_.Bytes() + cover_.Bytes() + BytesOf(rim_only_) +
+         memory_.Bytes() + BytesOf(added_);
 }
 
 }  // namespace latvox

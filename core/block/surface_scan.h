@@ -9,6 +9,7 @@
 
 #include "core/block/block_voxels.h"
 #include "core/block/candidate_parts.h"
+#include "core/block/cover_scan.h"
 #include "core/block/star_batches.h"
 #include "core/block/tile_context.h"
 #include "core/scan/stars.h"
@@ -55,13 +56,13 @@ class SurfaceScan {
   size_t Bytes() const;
 
  private:
-  void CoverAll(const TileContext& context, std::span<const uint32_t> triangles);
   std::span<const uint32_t> WithoutTiny(const TileContext& context, std::span<const uint32_t> triangles);
   void AddRim(const TileContext& context, const Candidates& candidates);
 
   BlockVoxels voxels_;
   std::vector<uint32_t> others_;  // the triangles that are not tiny
   CandidateParts candidates_;
+  CoverScan cover_;
   std::vector<RimVoxel> rim_only_;
   PairMemory memory_;
   std::vector<uint32_t> added_;  // by AddRim

@@ -10,13 +10,9 @@
 #include "core/digitize/principal_scan.h"
 #include "core/snap/snap.h"
 #include "core/tile/tile_bits.h"
+#include "core/tile/voxel_triangle.h"
 
 namespace latvox {
-
-struct VoxelTriangle {
-  uint32_t voxel;     // a number of the layout
-  uint32_t triangle;  // of the mesh
-};
 
 // Bit n stands for the link along frames[n].
 static_assert(kMaxDirections < 32);

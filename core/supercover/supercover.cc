@@ -67,6 +67,24 @@ bool Cut(const HalfSpace<Int>& half_space, int32_t i, int32_t j, Interval& k) {
   return k.first <= k.last;
 }
 
+// Returns the scan frames for k = 0 if the cell is a box along the lattice axes, else none.
+std::vector<ScanFrame> FramesOfBox(const IntegerCell& cell) {
+  const auto is_along_axis = [](const CellZone& zone) {
+    return std::abs(zone.e[0]) + std::abs(zone.e[1]) + std::abs(zone.e[2]) == 1;
+  };
+  if (!std::ranges::all_of(cell.zones(), is_along_axis)) return {};
+  std::vector<Frame> frames;
+  for (int32_t i : {-1, 0, 1}) {
+    for (int32_t j : {-1, 0, 1}) {
+      for (int32_t k : {-1, 0, 1}) {
+        const Vec3i q{i, j, k};
+        if (q != Vec3i{} && FirstNonzeroIsPositive(q)) frames.push_back(*MakeFrame(q));
+      }
+    }
+  }
+  return MakeScanFrames(frames);
+}
+
 // So many rows of a plane take as long as cutting the triangle to the plane.
 constexpr int32_t kFewRows = 32;
 
@@ -215,6 +233,7 @@ Supercover::Supercover(const IntegerCell& cell) : cell_(cell), short_(cell) {
     axis[m] = 1;
     half_extent_lat_[m] = static_cast<int32_t>(cell_.Support(axis, kLatticeUnit));
   }
+  scan_frames_ = FramesOfBox(cell_);
 }
 
 Vec3i Supercover::Margin() const { return -Shifted(-half_extent_lat_, kSubvoxelBits); }

@@ -22,10 +22,12 @@
 
 #include <array>
 #include <cstdint>
+#include <vector>
 
 #include "absl/functional/function_ref.h"
 #include "core/brick/brick.h"
 #include "core/digitize/crossing.h"
+#include "core/digitize/principal_scan.h"
 #include "core/lattice/integer_cell.h"
 #include "core/supercover/short_cover.h"
 
@@ -45,6 +47,10 @@ class Supercover {
   using Run = absl::FunctionRef<void(const Vec3i& first, int32_t count)>;
   void ForEachRun(const Triangle& triangle, const IndexBox& box, Run run) const;
 
+  // Where cells are boxes along the lattice axes: those of the scan for k = 0 (core/supercover/box_cells.h). Else
+  // empty.
+  const std::vector<ScanFrame>& scan_frames() const { return scan_frames_; }
+
  private:
   struct Facet {
     Vec<int64_t, 3> normal;
@@ -57,6 +63,7 @@ class Supercover {
   ShortCover short_;
   std::vector<Facet> facets_;  // one of each pair
   Vec3i half_extent_lat_{};    // rounded down
+  std::vector<ScanFrame> scan_frames_;
 };
 
 }  // namespace latvox

@@ -98,6 +98,11 @@ class Bench(unittest.TestCase):
             self.assertEqual(done.returncode, 2)
             self.assertIn(option, done.stderr)
 
+    def test_a_supercover_takes_at_most_half_as_long_again_as_the_unthinned_surface(self):
+        for words in (("box", "256"), ("sphere:2000", "128"), ("sphere:20000", "256")):
+            surface = instructions(*words, "--separability", "0", "--no-minimal")
+            self.assertLess(instructions(*words, "--set", "supercover"), 1.5 * surface, words)
+
     def test_a_supercover_has_more_voxels(self):
         words = ("sphere:2000", "64", "--lattice", "bcc", "--no-minimal")
         self.assertGreater(measured(*words, "--set", "supercover")["voxels"], measured(*words)["voxels"])

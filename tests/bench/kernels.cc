@@ -127,6 +127,8 @@ void RegisterAll() {
   Register("Facts", [=](auto& state) { Facts(state, kManyTiles); });
   Register("Tree", [=](auto& state) { Tree(state, kManyTiles); });
   for (const Scene& scene : {kTinyTriangles, kVoxelSized, kLargeTriangles}) {
+    Register(std::string("Job/") + scene.name + "/supercover",
+             [=](auto& state) { Job(state, scene, {.set = SupercoverSurface{}}); });
     for (const int k : {0, 2}) {
       for (const bool minimal : {true, false}) {
         const std::string name =
