@@ -96,7 +96,7 @@ if(NOT latvox_sanitized)
   latvox_add_system_test(node.view "node;--test;node/view.test.js")
   # They need both cores for themselves, because their figures assume an otherwise idle machine.
   latvox_add_system_test(faults.prepare "${latvox_python};faults/prepare.py" FIXTURES_SETUP faults RUN_SERIAL ON)
-  foreach(scenario swarm kill readers attacks half_open sigterm mutated fairness tenants cancel overhead gateway)
+  foreach(scenario swarm kill readers attacks half_open sigterm mutated fairness tenants cancel overhead gateway stores)
     latvox_add_system_test(faults.${scenario} "${latvox_python};faults/${scenario}_test.py" FIXTURES_REQUIRED faults
                            LABELS slow RUN_SERIAL ON SKIP_RETURN_CODE 77 TIMEOUT 3600)
   endforeach()

@@ -8,6 +8,7 @@ import threading
 Request = collections.namedtuple("Request", "method path number")  # number: of requests with this method and path, from 1
 Passed = collections.namedtuple("Passed", "method path fault status")  # status: of the store, None if it was not asked
 
+# Without "forbid", which does not pass.
 FAULTS = ("refuse", "busy", "cut", "short", "lose", "damage", "damage_request")
 
 
@@ -20,6 +21,7 @@ class Relay:
     """Passes requests on to a store, except for faults. `choose` gets a Request and returns a fault, or None:
 
     refuse, busy      answers 500, or 503 with a Retry-After, without asking the store
+    forbid            answers 403 without asking the store
     cut               closes the connection without asking the store
     lose              asks the store, and closes the connection without an answer
     short             closes the connection in the middle of the answer's body
@@ -78,10 +80,10 @@ class Relay:
             request = Request(*key, self.seen[key])
         fault = self.choose(request)
         handler.close_connection = fault in ("cut", "lose", "short")
-        if fault in ("cut", "refuse", "busy"):
+        if fault in ("cut", "refuse", "busy", "forbid"):
             self.passed.append(Passed(*key, fault, None))
             if fault != "cut":
-                handler.send_response(500 if fault == "refuse" else 503)
+                handler.send_response({"refuse": 500, "busy": 503, "forbid": 403}[fault])
                 handler.send_header("Content-Length", "0")
                 handler.send_header("Retry-After", "1" if fault == "busy" else "0")
                 handler.end_headers()

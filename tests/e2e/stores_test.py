@@ -149,6 +149,13 @@ class Jobs(Stores):
         self.assertEqual(sum(r["status"] == "done" for r in self.results()), 2)
         self.expect_objects([jobs[3], jobs[5]])
 
+    def test_a_worker_that_may_not_look_repeats_jobs(self):
+        job = self.small(1)[0]
+        with Relay(self.store, lambda request: "forbid" if request.method == "HEAD" else None) as relay:
+            for _ in range(2):
+                self.batch([job], "--resume", environment=self.environment(relay.port))
+        self.assertEqual([r["status"] for r in self.results()], ["done", "done"])
+
     def test_a_job_may_have_several_outputs_here_and_there(self):
         job = {"mesh": ["s3://bucket/in/mesh 1+.obj", "s3://bucket/in/mesh 2+.obj"], "resolution": 20,
                "out": ["here/a.csv", f"s3://bucket/{self.prefix}a.csv", f"s3://bucket/{self.prefix}b.npz"]}

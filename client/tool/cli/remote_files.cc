@@ -26,7 +26,7 @@ absl::StatusOr<std::unique_ptr<RemoteFiles>> RemoteFiles::Fetch(const VoxelizeOp
                                                                 const CallOptions& call) {
   std::unique_ptr<RemoteFiles> files(new RemoteFiles(options, call));
   if (options.remote.objects.empty()) return files;
-  const auto tries = ReadTries(EnvironmentValue);
+  const auto tries = ReadTries(ProcessVariable);
   if (!tries.ok()) return tries.status();
   files->transfer_.tries = *tries;
   if (auto status = files->CheckAccess(); !status.ok()) return status;

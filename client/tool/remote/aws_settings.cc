@@ -66,7 +66,7 @@ bool SetCredentials(AwsSettings& settings, const Section& section) {
 
 }  // namespace
 
-std::string EnvironmentValue(const char* name) {
+std::string ProcessVariable(const char* name) {
   const char* const value = std::getenv(name);
   return value == nullptr ? "" : value;
 }

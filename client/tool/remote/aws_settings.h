@@ -19,7 +19,7 @@ struct AwsSettings {
 using Environment = std::function<std::string(const char*)>;
 
 // Returns the value that this process has.
-std::string EnvironmentValue(const char* name);
+std::string ProcessVariable(const char* name);
 
 // Returns how often a call is tried: AWS_MAX_ATTEMPTS, or the standard. Errors: INVALID_ARGUMENT: not from 1 to 100.
 inline constexpr int kStandardTries = 8;

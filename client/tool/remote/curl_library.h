@@ -12,10 +12,11 @@
 namespace latvox::client {
 
 // The functions that are used. A program that calls the library's own names would load it at its start.
-#define LATVOX_CURL_FUNCTIONS(DO)                                                                         \
-  DO(curl_global_init)                                                                                    \
-  DO(curl_easy_init) DO(curl_easy_reset) DO(curl_easy_setopt) DO(curl_easy_perform) DO(curl_easy_getinfo) \
-      DO(curl_easy_cleanup) DO(curl_easy_strerror) DO(curl_slist_append) DO(curl_slist_free_all)
+// clang-format off
+#define LATVOX_CURL_FUNCTIONS(DO) \
+  DO(curl_global_init) DO(curl_easy_init) DO(curl_easy_reset) DO(curl_easy_setopt) DO(curl_easy_perform) \
+  DO(curl_easy_getinfo) DO(curl_easy_cleanup) DO(curl_easy_strerror) DO(curl_slist_append) DO(curl_slist_free_all)
+// clang-format on
 
 // Members have the library's names.
 struct Curl {

@@ -149,7 +149,7 @@ class Try {
   // The library does not read the variables by itself.
   void SetRoots() {
     for (const char* const name : {"AWS_CA_BUNDLE", "SSL_CERT_FILE"}) {
-      const std::string file = EnvironmentValue(name);
+      const std::string file = ProcessVariable(name);
       if (file.empty()) continue;
       Set(CURLOPT_CAINFO, file.c_str());
       return;

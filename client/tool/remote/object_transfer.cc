@@ -25,7 +25,7 @@ constexpr uint64_t kMostParts = 10000, kMostPartBytes = uint64_t{5} << 30;
 
 // The settings of S3, read once: they do not change within a process.
 const absl::StatusOr<AwsSettings>& Settings() {
-  static const auto* const kSettings = new absl::StatusOr<AwsSettings>(ReadAwsSettings(EnvironmentValue));
+  static const auto* const kSettings = new absl::StatusOr<AwsSettings>(ReadAwsSettings(ProcessVariable));
   return *kSettings;
 }
 
@@ -161,11 +161,11 @@ absl::Status Fetch(const RemoteName& remote, const std::string& path, const Tran
 absl::StatusOr<std::optional<ObjectFacts>> FactsOf(const RemoteName& remote, const TransferOptions& options) {
   auto call = CallOf(remote, "HEAD", kRead);
   if (!call.ok()) return call.status();
-  call->expected = {404, 410};
+  call->expected = {403, 404, 410};
   if (remote.is_s3()) {
     AddChecksums(ChecksumsOf(""), *call);
   } else {
-    call->expected.insert(call->expected.end(), {400, 401, 403, 405, 501});
+    call->expected.insert(call->expected.end(), {400, 401, 405, 501});
   }
   const auto answer = Call(*call, options);
   if (!answer.ok()) return answer.status();

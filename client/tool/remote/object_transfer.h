@@ -33,7 +33,8 @@ absl::Status CheckAccess(const RemoteName& remote, const TransferOptions& option
 absl::Status Fetch(const RemoteName& remote, const std::string& path, const TransferOptions& options);
 
 // Returns the facts of an object; nothing if there is none. Returns facts without notes and with `bytes` 0 if the other
-// side does not tell, as for a URL that is signed for another method. Errors: those of Call.
+// side does not tell: a URL is signed for another method, or S3 hides missing objects from callers that may not list
+// the bucket. Errors: those of Call.
 absl::StatusOr<std::optional<ObjectFacts>> FactsOf(const RemoteName& remote, const TransferOptions& options);
 
 // Sends a file as an object. The object appears, or is replaced, only by Finish, and as a whole. Not thread-safe.
