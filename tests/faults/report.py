@@ -7,7 +7,7 @@ import re
 OUT = pathlib.Path(__file__).resolve().parents[2] / "build" / "faults"
 # In the order of a reader's questions.
 SCENARIOS = ["swarm", "kill", "sigterm", "half_open", "readers", "attacks", "mutated", "cancel", "fairness", "tenants",
-             "overhead"]
+             "overhead", "gateway", "stores"]
 
 
 def in_bold(kept):

@@ -53,6 +53,7 @@ latvox_add_test(client_retry_test THREADED SOURCES unit/client/internal/retry_te
                 LIBRARIES latvox::client latvox_model_server GTest::gmock)
 latvox_add_test(client_stream_test THREADED SOURCES unit/client/internal/stream_test.cc
                 LIBRARIES latvox::client latvox_model_server GTest::gmock)
+latvox_add_test(client_remote_test SOURCES unit/client/tool/remote/remote_test.cc LIBRARIES latvox::tool GTest::gmock)
 latvox_add_test(client_texture_test SOURCES unit/client/tool/texture/texture_test.cc LIBRARIES latvox::tool)
 latvox_add_test(client_content_wire_test SOURCES unit/client/tool/confined/content_wire_test.cc
                 LIBRARIES latvox::tool GTest::gmock)

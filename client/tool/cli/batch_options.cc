@@ -2,6 +2,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "client/tool/cli/common_options.h"
+#include "client/tool/remote/remote_name.h"
 
 namespace latvox::client {
 namespace {
@@ -36,12 +37,17 @@ void AddBatchOptions(CommandParser& command, BatchWords& words) {
         .value = "N",
         .checks = {Whole(1, kMaxJobs)},
         .standard = absl::StrCat(kPrivateJobs, ", or ", kServerJobs, " with --server")},
+       AllowHttpRow(options.allow_http),
        JsonRow("Print the summary as JSON", options.json)});
   AddServerOptions(command, options.server);
 }
 
 BatchOptions Interpret(const BatchWords& words) {
   BatchOptions options = words.options;
+  if (IsRemote(options.directory)) {
+    Refuse("--out: \"", Redact(options.directory),
+           "\" is not a directory of this machine, which results need; out of a ", "job may be a URL");
+  }
   options.worker = ChooseWorker(words.worker);
   if (options.jobs == 0) options.jobs = options.server.address.empty() ? kPrivateJobs : kServerJobs;
   return options;

@@ -18,7 +18,7 @@ struct BatchOptions {
   std::string jobs_file, directory;
   ChosenWorker worker;
   int jobs = 0;  // at once
-  bool resume = false, json = false;
+  bool resume = false, json = false, allow_http = false;
   ServerChoice server;  // its timeout applies to each job
 };
 

@@ -140,12 +140,17 @@ void DoneJobs::Add(const std::string& name, Done done) {
   if (done.ended_unix_ms >= newest.ended_unix_ms) newest = std::move(done);
 }
 
-std::optional<std::string> DoneJobs::Find(const Job& job, const std::string& job_digest) const {
+std::optional<std::string> DoneJobs::Find(const Job& job, const std::string& job_digest,
+                                          const IsMissing& is_missing) const {
   const auto done = done_.find(job.names.front());
   if (done == done_.end() || done->second.job_digest != job_digest) return std::nullopt;
   const std::vector<uint64_t>& bytes = done->second.bytes;
   for (size_t n = 0; n < job.options.outputs.size(); ++n) {
     const std::string& output = job.options.outputs[n];
+    if (job.options.remote.objects.contains(output)) {
+      if (n >= bytes.size() || is_missing(output, bytes[n])) return std::nullopt;
+      continue;
+    }
     std::error_code error;
     if (!std::filesystem::is_regular_file(output, error)) return std::nullopt;
     if (!bytes.empty() && (n >= bytes.size() || std::filesystem::file_size(output, error) != bytes[n] || error)) {

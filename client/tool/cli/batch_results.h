@@ -64,9 +64,14 @@ class DoneJobs {
   // Errors: FAILED_PRECONDITION (a file cannot be read), CANCELLED.
   static absl::StatusOr<DoneJobs> Read(const std::string& directory, const Cancellation& cancellation);
 
+  // Returns whether a remote output is missing, or differs from the one with this length.
+  using IsMissing = std::function<bool(const std::string& output, uint64_t bytes)>;
+
   // Returns the digest of the voxels if this very job is done. Then its job digest is equal, its outputs exist with
-  // their recorded lengths, and each .vdb output holds these voxels. Otherwise returns nothing.
-  std::optional<std::string> Find(const Job& job, const std::string& job_digest) const;
+  // their recorded lengths, and each local .vdb output holds these voxels. Otherwise returns nothing.
+  //   is_missing   not null if the job has remote outputs
+  std::optional<std::string> Find(const Job& job, const std::string& job_digest,
+                                  const IsMissing& is_missing = nullptr) const;
 
  private:
   struct Done {

@@ -16,6 +16,7 @@
 #include "client/tool/cli/job_digest.h"
 #include "client/tool/cli/voxelize_command.h"
 #include "client/tool/output/temporary_name.h"
+#include "client/tool/remote/remote_name.h"
 #include "deploy/process/exhaustion.h"
 
 namespace latvox::client {
@@ -27,6 +28,7 @@ constexpr auto kGlance = std::chrono::milliseconds(100);
 // A job may name directories below that of the batch.
 absl::Status MakeDirectories(const std::vector<std::string>& outputs) {
   for (const std::string& output : outputs) {
+    if (IsRemote(output)) continue;
     std::error_code error;
     std::filesystem::create_directories(std::filesystem::path(output).parent_path(), error);
     if (!error) continue;
@@ -36,8 +38,12 @@ absl::Status MakeDirectories(const std::vector<std::string>& outputs) {
 }
 
 // A later run recognizes unchanged outputs by these lengths.
-void Measure(const std::vector<std::string>& outputs, JobResult& result) {
+void Measure(const std::vector<std::string>& outputs, const RemoteFiles& files, JobResult& result) {
   for (const std::string& output : outputs) {
+    if (IsRemote(output)) {
+      result.bytes.push_back(files.BytesOf(output));
+      continue;
+    }
     std::error_code error;
     result.bytes.push_back(std::filesystem::file_size(output, error));
     if (!error) continue;
@@ -102,6 +108,7 @@ void BatchRun::Do(JobParser& parser, const JobLine& line, JobResult& result) {
   auto job = parser.Parse(line.text);
   result.error = job.status();
   if (!job.ok()) return;
+  job->options.remote.allow_http = options_.allow_http;
   const CallOptions call = MakeCallOptions(options_.server, cancellation_);
   result.id = job->id;
   result.mesh = job->mesh;
@@ -110,22 +117,49 @@ void BatchRun::Do(JobParser& parser, const JobLine& line, JobResult& result) {
   if (result.error.ok()) result.error = Align(job->options, cancellation_);
   if (!result.error.ok()) return;
   RemoveAbandoned(job->options.outputs);
+  const auto files = RemoteFiles::Fetch(job->options, call);
+  result.error = files.status();
+  if (files.ok()) DoWithCopies(*job, call, **files, result);
+}
+
+void BatchRun::DoWithCopies(const Job& job, const CallOptions& call, RemoteFiles& files, JobResult& result) {
+  Job local = job;
+  local.options = files.local();
   // Computed before the mesh is read for sending: if the mesh changes in between, the next run repeats the job.
-  auto digest = DoAbandonably([job = *job] { return JobDigest(job); }, call);
-  result.error = digest.status();
+  auto digest = DoAbandonably([local] { return JobDigest(local); }, call);
+  result.error = files.Named(digest.status());
   if (!digest.ok()) return;
   result.job_digest = *std::move(digest);
-  if (auto voxels = done_.Find(*job, result.job_digest)) {
+  auto voxels = FindDone(job, result.job_digest, files);
+  result.error = voxels.status();
+  if (!voxels.ok()) return;
+  if (*voxels) {
     result.outcome = JobResult::Outcome::kSkipped;
-    result.digest = *std::move(voxels);
+    result.digest = **std::move(voxels);
   } else {
-    Voxelize(*job, call, result);
+    Voxelize(local, call, files, result);
   }
-  if (result.outcome != JobResult::Outcome::kFailed) Measure(job->options.outputs, result);
+  if (result.outcome != JobResult::Outcome::kFailed) Measure(job.options.outputs, files, result);
+}
+
+absl::StatusOr<std::optional<std::string>> BatchRun::FindDone(const Job& job, const std::string& digest,
+                                                              RemoteFiles& files) {
+  if (!options_.resume) return std::nullopt;
+  auto in_store = files.FindDone(digest);
+  if (!in_store.ok() || *in_store) return in_store;
+  absl::Status status;
+  auto in_results = done_.Find(job, digest, [&](const std::string& output, uint64_t bytes) {
+    const auto is_missing = files.IsMissing(output, digest, bytes);
+    status.Update(is_missing.status());
+    return !is_missing.ok() || *is_missing;
+  });
+  if (!status.ok()) return status;
+  return in_results;
 }
 
 void BatchRun::RemoveAbandoned(const std::vector<std::string>& outputs) {
   for (const std::string& output : outputs) {
+    if (IsRemote(output)) continue;
     const std::string directory = std::filesystem::path(output).parent_path().string();
     {
       const std::lock_guard lock(mutex_);
@@ -135,7 +169,7 @@ void BatchRun::RemoveAbandoned(const std::vector<std::string>& outputs) {
   }
 }
 
-void BatchRun::Voxelize(const Job& job, const CallOptions& call, JobResult& result) {
+void BatchRun::Voxelize(const Job& job, const CallOptions& call, RemoteFiles& files, JobResult& result) {
   result.error = MakeDirectories(job.options.outputs);
   if (!result.error.ok()) return;
   SharedSession session;
@@ -152,13 +186,16 @@ void BatchRun::Voxelize(const Job& job, const CallOptions& call, JobResult& resu
     const std::lock_guard lock(mutex_);
     bar_.Say(absl::StrCat("latvox: ", job.id, ": ", line));
   };
+  files.SetJobDigest(result.job_digest);
+  files.Hook(hooks);
   auto report = RunJob(job.options, call, hooks);
   if (report.ok()) {
     result.outcome = JobResult::Outcome::kDone;
+    files.Name(*report);
     result.report = *std::move(report);
     return;
   }
-  result.error = report.status();
+  result.error = files.Named(report.status());
   if (session != nullptr && absl::IsUnavailable(result.error)) Disconnect(session);
 }
 

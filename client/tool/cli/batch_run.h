@@ -16,6 +16,7 @@
 #include "client/tool/cli/batch_results.h"
 #include "client/tool/cli/job_file.h"
 #include "client/tool/cli/progress_bar.h"
+#include "client/tool/cli/remote_files.h"
 #include "client/tool/cli/report.h"
 #include "client/tool/cli/session.h"
 #include "latvox/cancellation.h"
@@ -42,9 +43,12 @@ class BatchRun {
   // Runs on each worker's thread.
   void Work();
   void Do(JobParser& parser, const JobLine& line, JobResult& result);
+  void DoWithCopies(const Job& job, const CallOptions& call, RemoteFiles& files, JobResult& result);
+  // Returns the digest of the voxels if the job is done.
+  absl::StatusOr<std::optional<std::string>> FindDone(const Job& job, const std::string& digest, RemoteFiles& files);
   // Removes what killed batches left in the outputs' directories: once in each, because it may hold a million files.
   void RemoveAbandoned(const std::vector<std::string>& outputs);
-  void Voxelize(const Job& job, const CallOptions& call, JobResult& result);
+  void Voxelize(const Job& job, const CallOptions& call, RemoteFiles& files, JobResult& result);
   absl::StatusOr<SharedSession> Connect();
   void Disconnect(const SharedSession& session);
   void End(const JobResult& result);

@@ -9,6 +9,7 @@
 #include "absl/strings/str_split.h"
 #include "client/internal/trace_context.h"
 #include "client/tool/output/output.h"
+#include "client/tool/remote/remote_name.h"
 
 namespace latvox::client {
 namespace {
@@ -59,9 +60,9 @@ OptionCheck Whole(int low, int high) {
 OptionRow OutputRow(const std::vector<std::string>& extensions, std::vector<std::string>& outputs, bool several) {
   const std::string known = absl::StrJoin(extensions, " ");
   const auto wrong = [extensions, known](const std::string& path) -> std::string {
-    const std::string extension = ExtensionOf(path);
+    const std::string shown = WithoutQuery(path), extension = ExtensionOf(shown);
     if (std::find(extensions.begin(), extensions.end(), extension) != extensions.end()) return "";
-    return absl::StrCat("\"", path, "\": extension \"", extension, "\" is not one of ", known);
+    return absl::StrCat("\"", shown, "\": extension \"", extension, "\" is not one of ", known);
   };
   return {.names = "-o,--out",
           .aliases = "--output",
@@ -84,6 +85,12 @@ OptionRow SizeRow(const std::string& what, int& size) {
 
 OptionRow QuietRow(bool& quiet) {
   return {.names = "-q,--quiet", .target = &quiet, .help = "Print only errors and warnings"};
+}
+
+OptionRow AllowHttpRow(bool& allow_http) {
+  return {.names = "--allow-http",
+          .target = &allow_http,
+          .help = "Allow http: to other machines, which others can read and change; https: is always allowed"};
 }
 
 OptionRow JsonRow(const std::string& help, bool& json) { return {.names = "--json", .target = &json, .help = help}; }

@@ -119,6 +119,9 @@ OptionRow SizeRow(const std::string& what, int& size);
 // -q, --quiet
 OptionRow QuietRow(bool& quiet);
 
+// --allow-http, of commands with URLs
+OptionRow AllowHttpRow(bool& allow_http);
+
 // --json
 OptionRow JsonRow(const std::string& help, bool& json);
 

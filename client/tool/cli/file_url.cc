@@ -7,13 +7,14 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/strip.h"
+#include "client/tool/remote/remote_name.h"
 
 namespace latvox::client {
 namespace {
 
 template <class... Parts>
 absl::Status WrongUrl(const std::string& text, const Parts&... parts) {
-  return absl::InvalidArgumentError(absl::StrCat("\"", text, "\": ", parts...));
+  return absl::InvalidArgumentError(absl::StrCat("\"", Redact(text), "\": ", parts...));
 }
 
 // Returns the scheme in lower case, if the text has one: "file:", or the text before "://".
@@ -50,7 +51,7 @@ absl::StatusOr<std::string> PathOf(const std::string& text, const std::string& f
   const std::string scheme = SchemeOf(text);
   absl::StatusOr<std::string> path = text;
   if (!scheme.empty()) {
-    if (scheme != "file") return WrongUrl(text, "scheme \"", scheme, "\" is not file");
+    if (scheme != "file") return WrongUrl(text, "scheme \"", scheme, "\" is not file, https, http or s3");
     absl::string_view rest = absl::string_view(text).substr(text.find(':') + 1);
     if (absl::ConsumePrefix(&rest, "//")) absl::ConsumePrefix(&rest, "localhost");
     if (!absl::StartsWith(rest, "/"))

@@ -11,6 +11,7 @@
 #include "client/tool/cli/common_options.h"
 #include "client/tool/cli/job_line.h"
 #include "client/tool/output/output.h"
+#include "client/tool/remote/remote_name.h"
 
 namespace latvox::client {
 namespace {
@@ -42,7 +43,8 @@ class Claims {
   template <class Tell>
   void CheckInputs(const Tell& tell) const {
     for (const Input& input : inputs_) {
-      const auto output = outputs_.find(Place(input.path).lexically_relative(directory_).string());
+      const auto output =
+          outputs_.find(IsRemote(input.path) ? input.path : Place(input.path).lexically_relative(directory_).string());
       if (output == outputs_.end()) continue;
       tell(input.line, absl::StrCat(input.field, ": \"", input.path, "\" is an output of line ", output->second));
     }

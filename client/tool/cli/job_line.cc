@@ -12,6 +12,7 @@
 #include "client/mesh_files/input.h"
 #include "client/tool/cli/common_options.h"
 #include "client/tool/cli/file_url.h"
+#include "client/tool/cli/remote_names.h"
 #include "client/tool/cli/request_rows.h"
 
 namespace latvox::client {
@@ -79,7 +80,7 @@ absl::Status Wrong(const Parts&... parts) {
 // Returns the value as JSON, cut to a readable length.
 std::string Show(const SortedJson& value) {
   constexpr size_t kMost = 100;
-  const std::string text = value.dump(-1, ' ', false, SortedJson::error_handler_t::replace);
+  const std::string text = Redact(value.dump(-1, ' ', false, SortedJson::error_handler_t::replace));
   return text.size() <= kMost ? text : text.substr(0, kMost) + "...";
 }
 
@@ -114,11 +115,17 @@ bool Is(const SortedJson& value, Kind kind) {
   return false;
 }
 
-// Returns the value as a word of the option; `between` joins lists. Numbers are printed so that they read back equal.
-std::string TextOf(const SortedJson& value, const char* between = ",") {
+// Returns the value as a word of the option. Numbers are printed so that they read back equal.
+std::string TextOf(const SortedJson& value) {
   if (value.is_string()) return value.get<std::string>();
   if (!value.is_array()) return value.dump();
-  return absl::StrJoin(value, between, [](std::string* out, const SortedJson& element) { *out += TextOf(element); });
+  return absl::StrJoin(value, ",", [](std::string* out, const SortedJson& element) { *out += TextOf(element); });
+}
+
+// Returns the paths and URLs of meshes as they are given, without queries.
+std::string MeshText(const SortedJson& given) {
+  const auto append = [](std::string* out, const SortedJson& one) { *out += WithoutQuery(one.get<std::string>()); };
+  return given.is_array() ? absl::StrJoin(given, " + ", append) : WithoutQuery(given.get<std::string>());
 }
 
 // Returns the library's error without its line number, which is always 1.
@@ -151,9 +158,10 @@ absl::StatusOr<SortedJson> ParseObject(absl::string_view line) try {
   return NoJson(error);
 }
 
-// Returns the name of an output in normal form.
+// Returns the name of an output in normal form, or its URL.
 absl::StatusOr<std::string> OutputName(const SortedJson& value) {
   if (!IsText(value)) return WrongType("out", value, "a file name or an array of file names");
+  if (IsRemote(value.get<std::string>())) return value.get<std::string>();
   const std::filesystem::path path = value.get<std::string>(), name = path.lexically_normal();
   if (absl::StrContains(path.string(), '\0') || path.is_absolute() || *name.begin() == ".." || !name.has_filename()) {
     return Wrong("out: ", Show(value), " is not a file below the output directory");
@@ -161,7 +169,8 @@ absl::StatusOr<std::string> OutputName(const SortedJson& value) {
   return name.string();
 }
 
-absl::StatusOr<std::vector<std::string>> OutputNames(const SortedJson& object, const std::string& mesh) {
+absl::StatusOr<std::vector<std::string>> OutputNames(const SortedJson& object, const std::string& mesh,
+                                                     RemoteNames& remote) {
   SortedJson given = object.value("out", SortedJson(std::filesystem::path(mesh).stem().string() + ".vdb"));
   if (!given.is_array()) given = SortedJson::array({given});
   if (given.empty()) return WrongType("out", given, "a file name or an array of file names");
@@ -171,18 +180,25 @@ absl::StatusOr<std::vector<std::string>> OutputNames(const SortedJson& object, c
     if (!name.ok()) return name.status();
     names.push_back(*std::move(name));
   }
+  if (auto status = NameRemoteOutputs(names, remote); !status.ok()) return Wrong("out: ", status.message());
   return names;
 }
 
-absl::StatusOr<std::vector<std::string>> MeshPaths(const SortedJson& given, const std::string& folder) {
-  if (!Is(given, Kind::kTexts)) return WrongType("mesh", given, "a path or a file: URL, or an array of these");
+absl::StatusOr<std::vector<std::string>> MeshPaths(const SortedJson& given, const std::string& folder,
+                                                   RemoteNames& remote) {
+  if (!Is(given, Kind::kTexts)) return WrongType("mesh", given, "a path or a URL, or an array of these");
   std::vector<std::string> paths;
   for (const SortedJson& one : given.is_array() ? given : SortedJson::array({given})) {
+    if (IsRemote(one.get<std::string>())) {
+      paths.push_back(one.get<std::string>());
+      continue;
+    }
     auto path = PathOf(one.get<std::string>(), folder);
     if (!path.ok()) return Wrong("mesh: ", path.status().message());
     // A job cannot read standard input.
     paths.push_back(*path == kStandardInput ? "./-" : *std::move(path));
   }
+  if (auto status = NameRemotes(paths, remote); !status.ok()) return Wrong("mesh: ", status.message());
   return paths;
 }
 
@@ -230,9 +246,10 @@ absl::StatusOr<Job> JobParser::Parse(absl::string_view line) {
   if (!object.ok()) return object.status();
   const SortedJson mesh = object->value("mesh", SortedJson()), id = object->value("id", SortedJson());
   if (object->contains("id") && !IsText(id)) return WrongType("id", id, kTypes[0]);
-  auto paths = MeshPaths(mesh, folder_);
+  RemoteNames remote;
+  auto paths = MeshPaths(mesh, folder_, remote);
   if (!paths.ok()) return paths.status();
-  auto names = OutputNames(*object, paths->front());
+  auto names = OutputNames(*object, paths->front(), remote);
   if (!names.ok()) return names.status();
   auto words = Words(*object, parser_);
   if (!words.ok()) return words.status();
@@ -241,13 +258,16 @@ absl::StatusOr<Job> JobParser::Parse(absl::string_view line) {
   try {
     parser_.Parse(*std::move(words));
     words_.options.mesh.paths = *std::move(paths);
+    words_.options.remote = std::move(remote);
     if (std::string& align = words_.options.align; !align.empty()) {
       auto place = PathOf(align, folder_);
       if (!place.ok()) return Wrong("align: ", place.status().message());
       align = *std::move(place);
     }
-    for (std::string& out : words_.options.outputs) out = (std::filesystem::path(directory_) / out).string();
-    return Job{id.is_null() ? names->front() : id.get<std::string>(), TextOf(mesh, " + "), *std::move(names),
+    for (std::string& out : words_.options.outputs) {
+      if (!IsRemote(out)) out = (std::filesystem::path(directory_) / out).string();
+    }
+    return Job{id.is_null() ? names->front() : id.get<std::string>(), MeshText(mesh), *std::move(names),
                InterpretRequest(words_)};
   } catch (const UsageError& error) {
     return Wrong(absl::StrReplaceAll(error.what(), names_));

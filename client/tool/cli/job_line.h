@@ -1,8 +1,10 @@
 // One line of a job file: a JSON object.
 //
-//   mesh    the only required field: a path or file: URL, or an array of several, which form one mesh. A relative path
+//   mesh    the only required field: a path or URL (file:, https:, http:, s3:), or an array of several, which form one
+//   mesh. A relative path
 //           starts at the job file's folder, or at the working directory if the job file is standard input.
-//   out     file name below the output directory, or an array of several; default: the first mesh's name with .vdb
+//   out     file name below the output directory, or a URL (https:, http:, s3:), or an array of several; default: the
+//           first mesh's name with .vdb
 //   id      unique name in the results; default: the first of out
 //   others  the long options of `latvox voxelize`, with _ in place of -: lattice, basis, voxel_size, ... Numbers are
 //           numbers, lists are arrays, flags are true or false. A relative path of align starts where that of mesh
@@ -22,9 +24,9 @@
 namespace latvox::client {
 
 struct Job {
-  std::string id, mesh;            // mesh: as given; several are joined with +
-  std::vector<std::string> names;  // of the outputs, below the directory, in normal form
-  VoxelizeOptions options;         // with absolute paths; their server is ignored
+  std::string id, mesh;            // mesh: as given, without queries; several are joined with +
+  std::vector<std::string> names;  // of the outputs: of a remote one its name, of others below the directory
+  VoxelizeOptions options;         // with absolute paths and remote names; their server is ignored
 };
 
 // Parses lines with the command line's tables of options. Not thread-safe.

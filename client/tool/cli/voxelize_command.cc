@@ -13,6 +13,7 @@
 #include "client/tool/cli/mesh_names.h"
 #include "client/tool/cli/mesh_upload.h"
 #include "client/tool/cli/progress_bar.h"
+#include "client/tool/cli/remote_files.h"
 #include "client/tool/cli/warnings.h"
 #include "client/tool/confined/foreign_grid.h"
 #include "client/tool/output/output.h"
@@ -26,10 +27,11 @@ namespace {
 
 using Outputs = std::vector<std::unique_ptr<Output>>;
 
-absl::StatusOr<Outputs> OpenOutputs(const VoxelizeOptions& options) {
+absl::StatusOr<Outputs> OpenOutputs(const VoxelizeOptions& options, const JobHooks& hooks) {
   Outputs outputs;
   for (const std::string& path : options.outputs) {
-    auto output = OpenOutput(path, options.request, options.output_options);
+    auto output =
+        hooks.open_output ? hooks.open_output(path) : OpenOutput(path, options.request, options.output_options);
     if (!output.ok()) return output.status();
     outputs.push_back(*std::move(output));
   }
@@ -125,7 +127,7 @@ absl::StatusOr<VoxelizeReport> RunJob(const VoxelizeOptions& options, const Call
   report.outputs = options.outputs;
   if (options.has_default_resolution) report.default_resolution = options.request.resolution;
   // Outputs come first, so that an unwritable path fails before any work.
-  auto outputs = OpenOutputs(options);
+  auto outputs = OpenOutputs(options, hooks);
   if (!outputs.ok()) return outputs.status();
   if (hooks.receive) outputs->push_back(hooks.receive());
   const MeshReader read_files = [source = options.mesh] { return ReadMeshSource(source); };
@@ -170,6 +172,19 @@ absl::StatusOr<VoxelizeReport> RunToStandardOutput(VoxelizeOptions options, cons
   return report;
 }
 
+// Runs the job with local copies of remote meshes.
+absl::StatusOr<VoxelizeReport> RunWithCopies(const VoxelizeOptions& options, const CallOptions& call, JobHooks hooks) {
+  if (!options.remote.objects.empty()) hooks.on_stage(absl::StrCat("fetching ", NameOf(options.mesh)));
+  const auto files = RemoteFiles::Fetch(options, call);
+  if (!files.ok()) return files.status();
+  (*files)->Hook(hooks);
+  const VoxelizeOptions& local = (*files)->local();
+  auto report = options.standard_output ? RunToStandardOutput(local, call, hooks) : RunJob(local, call, hooks);
+  if (!report.ok()) return (*files)->Named(report.status());
+  (*files)->Name(*report);
+  return report;
+}
+
 }  // namespace
 
 absl::StatusOr<VoxelizeReport> RunVoxelize(const VoxelizeOptions& given, const Cancellation& cancellation) {
@@ -188,7 +203,7 @@ absl::StatusOr<VoxelizeReport> RunVoxelize(const VoxelizeOptions& given, const C
   hooks.say = [&](const std::string& line) { bar.Say("latvox: " + line); };
   // A summary in JSON has the transform.
   if (auto warning = WarningOfPlace(options.outputs); warning && !options.json) hooks.warnings = {*std::move(warning)};
-  return options.standard_output ? RunToStandardOutput(options, call, hooks) : RunJob(options, call, hooks);
+  return RunWithCopies(options, call, hooks);
 }
 
 }  // namespace latvox::client

@@ -30,9 +30,11 @@ struct JobHooks {
   std::function<absl::StatusOr<const Client*>()> connect;
   std::function<void(const std::string& stage)> on_stage;  // called when a stage begins
   std::function<void(double share, uint64_t bricks)> on_progress;
-  std::function<void(const std::string& line)> say;            // prints a line for people
-  std::vector<Warning> warnings = {};                          // of the command itself: the report begins with them
-  MeshReader read_mesh = nullptr;                              // returns the mesh; null: reads the files of the options
+  std::function<void(const std::string& line)> say;  // prints a line for people
+  std::vector<Warning> warnings = {};                // of the command itself: the report begins with them
+  MeshReader read_mesh = nullptr;                    // returns the mesh; null: reads the files of the options
+  std::function<absl::StatusOr<std::unique_ptr<Output>>(const std::string& output)> open_output =
+      nullptr;                                                 // null: opens a file
   std::function<std::unique_ptr<Output>()> receive = nullptr;  // returns what takes the voxels besides the files
 };
 

@@ -161,7 +161,8 @@ void InterpretOutputs(VoxelizeWords& words) {
 void AddVoxelizeOptions(CommandParser& command, VoxelizeWords& words) {
   command.Add({MeshRow(words.options.mesh)});
   AddRequestOptions(command, words);
-  command.Add({OutputFormatRow(words), JsonRow("Print the summary as JSON", words.options.json)});
+  command.Add({OutputFormatRow(words), JsonRow("Print the summary as JSON", words.options.json),
+               AllowHttpRow(words.options.remote.allow_http)});
   AddServerOptions(command, words.options.server);
 }
 
@@ -205,6 +206,11 @@ VoxelizeOptions InterpretRequest(const VoxelizeWords& words) {
 
 VoxelizeOptions Interpret(const VoxelizeWords& given) {
   VoxelizeWords words = given;
+  RemoteNames& remote = words.options.remote;
+  for (const absl::Status& status :
+       {NameRemotes(words.options.mesh.paths, remote), NameRemoteOutputs(words.options.outputs, remote)}) {
+    if (!status.ok()) Refuse(status.message());
+  }
   InterpretOutputs(words);
   VoxelizeOptions options = InterpretRequest(words);
   CheckMeshPaths(options.mesh, options.outputs);

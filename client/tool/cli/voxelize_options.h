@@ -9,6 +9,7 @@
 
 #include "client/mesh_files/mesh_source.h"
 #include "client/tool/cli/mesh_options.h"
+#include "client/tool/cli/remote_names.h"
 #include "client/tool/cli/request_words.h"
 #include "client/tool/cli/session.h"
 #include "client/tool/cli/shape_options.h"
@@ -24,6 +25,7 @@ struct VoxelizeOptions {
   MeshSource mesh;
   bool weld_report = false;
   std::vector<std::string> outputs;
+  RemoteNames remote;
   std::optional<size_t> standard_output;  // index in `outputs` of the one that is sent there: only its extension counts
   OutputOptions output_options;
   VoxelizeRequest request;
