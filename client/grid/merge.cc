@@ -57,8 +57,8 @@ absl::StatusOr<MergedGrid> MergeParts(const std::vector<std::string>& paths, con
   for (const auto& part : *parts) leaves += part->leaves();
   const PartFile& first = *parts->front();
   const double steps = static_cast<double>(kPasses * (leaves + parts->size()));
-  const auto show = [&](uint64_t read) {
-    if (progress) progress(static_cast<double>(read) / steps, read / kPasses);
+  const auto show = [&](uint64_t leaves_read) {
+    if (progress) progress(static_cast<double>(leaves_read) / steps, leaves_read / kPasses);
   };
 
   BrickMerge bricks(*std::move(parts), common->shards, cancellation, show);

@@ -1,9 +1,5 @@
 #include "client/grid/nano_file.h"
 
-#include <nanovdb/util/GridChecksum.h>
-#include <nanovdb/util/IO.h>
-#include <nanovdb/util/OpenToNanoVDB.h>
-
 #include <cerrno>
 #include <cstring>
 #include <exception>
@@ -15,6 +11,15 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "client/grid/grid_metadata.h"
+#include "client/grid/nano_names.h"
+#if LATVOX_NANOVDB_OF_OPENVDB_12
+#define NANOVDB_USE_OPENVDB
+#include <nanovdb/tools/CreateNanoGrid.h>
+#include <nanovdb/tools/GridChecksum.h>
+#else
+#include <nanovdb/util/GridChecksum.h>
+#include <nanovdb/util/OpenToNanoVDB.h>
+#endif
 
 namespace latvox::client {
 namespace {
@@ -31,6 +36,16 @@ std::string TextOf(const openvdb::MetaMap& metadata) {
   return text;
 }
 
+#if LATVOX_NANOVDB_OF_OPENVDB_12
+nanovdb::GridHandle<> Converted(const openvdb::BoolGrid& grid) { return nanovdb::tools::createNanoGrid(grid); }
+void UpdateChecksum(nanovdb::GridHandle<>& handle) {
+  nanovdb::tools::updateChecksum(reinterpret_cast<nanovdb::GridData*>(handle.data()));
+}
+#else
+nanovdb::GridHandle<> Converted(const openvdb::BoolGrid& grid) { return nanovdb::openToNanoVDB(grid); }
+void UpdateChecksum(nanovdb::GridHandle<>& handle) { nanovdb::updateChecksum(*handle.grid<bool>()); }
+#endif
+
 // NanoVDB's converter drops metadata, but its format has blind data, after the nodes, for other content.
 nanovdb::GridHandle<> WithText(const nanovdb::GridHandle<>& plain, const std::string& text) {
   constexpr uint64_t kAlignment = NANOVDB_DATA_ALIGNMENT;
@@ -45,14 +60,14 @@ nanovdb::GridHandle<> WithText(const nanovdb::GridHandle<>& plain, const std::st
   data->mBlindMetadataOffset = static_cast<int64_t>(plain.size());
   data->mBlindMetadataCount = 1;
   blind->setBlindData(blind + 1);
-  blind->mElementCount = text.size();
+  SetBlindBytes(*blind, text.size());
   blind->mSemantic = nanovdb::GridBlindDataSemantic::Unknown;
   blind->mDataClass = nanovdb::GridBlindDataClass::Unknown;
   blind->mDataType = nanovdb::GridType::Unknown;
   std::memcpy(blind->mName, kBlindName, sizeof(kBlindName));
   std::memcpy(blind + 1, text.data(), text.size());
   nanovdb::GridHandle<> handle(std::move(buffer));
-  nanovdb::updateChecksum(*handle.grid<bool>());
+  UpdateChecksum(handle);
   return handle;
 }
 
@@ -63,13 +78,13 @@ absl::Status WriteNanoFile(const openvdb::BoolGrid& grid, const std::string& pat
     return absl::UnknownError(absl::StrCat(path, ": cannot be written (", why, ")"));
   };
   try {
-    const auto handle = WithText(nanovdb::openToNanoVDB(grid), TextOf(grid));
+    const auto handle = WithText(Converted(grid), TextOf(grid));
     std::ofstream file;
     // NanoVDB does not check whether its stream took everything.
     file.exceptions(std::ios::failbit | std::ios::badbit);
     errno = 0;
     file.open(path, std::ios::binary | std::ios::trunc);
-    nanovdb::io::writeGrid(file, handle);
+    nanovdb::io::writeGrid(file, handle, nanovdb::io::Codec::NONE);
     file.close();
     return absl::OkStatus();
   } catch (const std::ios_base::failure&) {

@@ -1,5 +1,3 @@
-#include <nanovdb/util/IO.h>
-
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -10,6 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
+#include "client/grid/nano_names.h"
 #include "latvox/grid/voxel_grid.h"
 
 namespace latvox::client {
@@ -26,11 +25,11 @@ class NanoReader {
   }
 
   absl::StatusOr<GridFileInfo> Read() {
-    nanovdb::io::Header header;
-    if (!Get(header) || header.magic != NANOVDB_MAGIC_NUMBER || header.gridCount == 0) return Bad("has no grid");
-    nanovdb::io::MetaData meta;
+    NanoFileHeader header;
+    if (!Get(header) || !IsNanoMagic(header.magic) || header.gridCount == 0) return Bad("has no grid");
+    NanoMetaData meta;
     for (uint16_t n = 0; n < header.gridCount; ++n) {
-      nanovdb::io::MetaData each;
+      NanoMetaData each;
       if (!Get(each) || each.nameSize > kMostText) return Bad("is cut short");
       if (n == 0) meta = each;
       file_.seekg(each.nameSize, std::ios::cur);
@@ -38,7 +37,7 @@ class NanoReader {
     if (meta.codec != nanovdb::io::Codec::NONE) return Bad("is compressed");
     const auto begin = static_cast<uint64_t>(file_.tellg());
     nanovdb::GridData grid;
-    if (!Get(grid) || grid.mMagic != NANOVDB_MAGIC_NUMBER) return Bad("has no grid behind its header");
+    if (!Get(grid) || !IsNanoMagic(grid.mMagic)) return Bad("has no grid behind its header");
     if (grid.mGridSize > size_ || begin > size_ - grid.mGridSize) return Bad("is cut short");
     GridFileInfo info = Describe(meta, grid);
     if (grid.mBlindMetadataCount > 0) ReadText(begin, grid, info);
@@ -56,10 +55,10 @@ class NanoReader {
     return file_.good();
   }
 
-  static GridFileInfo Describe(const nanovdb::io::MetaData& meta, const nanovdb::GridData& grid) {
+  static GridFileInfo Describe(const NanoMetaData& meta, const nanovdb::GridData& grid) {
     GridFileInfo info;
     info.name.assign(grid.mGridName, strnlen(grid.mGridName, sizeof(grid.mGridName)));
-    info.value_type = grid.mGridType < nanovdb::GridType::End ? nanovdb::toStr(grid.mGridType) : "?";
+    info.value_type = grid.mGridType < nanovdb::GridType::End ? NanoTypeName(grid.mGridType) : "?";
     const double* const m = grid.mMap.mMatD;  // columns are the steps
     info.transform.basis = {{m[0], m[3], m[6]}, {m[1], m[4], m[7]}, {m[2], m[5], m[8]}};
     for (size_t n = 0; n < 3; ++n) info.transform.origin[n] = grid.mMap.mVecD[n];
@@ -83,11 +82,11 @@ class NanoReader {
     if (!is_within(grid.mBlindMetadataOffset)) return;
     const std::streamoff at = static_cast<std::streamoff>(begin) + grid.mBlindMetadataOffset;
     file_.seekg(at);
-    if (!Get(blind) || blind.mElementCount > kMostText || strncmp(blind.mName, "latvox", sizeof(blind.mName)) != 0)
+    if (!Get(blind) || BlindBytes(blind) > kMostText || strncmp(blind.mName, "latvox", sizeof(blind.mName)) != 0)
       return;
-    if (!is_within(blind.mByteOffset)) return;
-    std::string text(blind.mElementCount, '\0');
-    file_.seekg(at + blind.mByteOffset);
+    if (!is_within(BlindOffset(blind))) return;
+    std::string text(BlindBytes(blind), '\0');
+    file_.seekg(at + BlindOffset(blind));
     if (!file_.read(text.data(), static_cast<std::streamsize>(text.size()))) return;
     for (const absl::string_view line : absl::StrSplit(text, '\n', absl::SkipEmpty())) {
       const std::pair<std::string, std::string> field = absl::StrSplit(line, absl::MaxSplits(" = ", 1));

@@ -280,6 +280,8 @@ Summary FromProto(const v1::Summary& summary) {
 }
 
 Limits FromProto(const v1::GetLimitsResponse& limits) {
+  std::vector<Library> libraries;
+  for (const v1::Library& library : limits.libraries()) libraries.push_back({library.name(), library.version()});
   return {.max_mesh_bytes = limits.max_mesh_bytes(),
           .max_triangles = limits.max_triangles(),
           .max_vertices = limits.max_vertices(),
@@ -296,7 +298,9 @@ Limits FromProto(const v1::GetLimitsResponse& limits) {
           .memory_budget_bytes = limits.memory_budget_bytes(),
           .mesh_store_bytes = limits.mesh_store_bytes(),
           .max_visited_points = limits.max_visited_points(),
-          .max_job_seconds = limits.max_job_seconds()};
+          .max_job_seconds = limits.max_job_seconds(),
+          .commit = limits.commit(),
+          .libraries = std::move(libraries)};
 }
 
 absl::Status FromGrpc(const grpc::Status& status) {

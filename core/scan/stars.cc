@@ -186,8 +186,8 @@ HWY_INLINE void ExactStars(const std::vector<ScanFrame>& frames, int32_t reach, 
   using V = Doubles;
   using V3 = Doubles3;
   const V zero = hn::Zero(d);
-  const auto times = [&](int32_t c, V v) {
-    return c == 0 ? zero : c == 1 ? v : c == -1 ? hn::Neg(v) : hn::Mul(hn::Set(d, static_cast<double>(c)), v);
+  const auto times = [&](int32_t c, V x) {
+    return c == 0 ? zero : c == 1 ? x : c == -1 ? hn::Neg(x) : hn::Mul(hn::Set(d, static_cast<double>(c)), x);
   };
 
   V3 normal = CrossOf(Minus(v[1], v[0]), Minus(v[2], v[0]));

@@ -170,8 +170,8 @@ void Encode(const OctantGrid::Bounds& bounds, const SnappedMesh& mesh, const Pad
       const Ints near_min = octant(hn::Sub(low, near_below)), near_max = octant(hn::Add(high, near_above));
       const Ints first = octant(hn::Sub(low, far_below)), last = octant(hn::Add(high, far_above));
       const Ints far_min = hn::Max(first, lowest), far_max = hn::Min(last, highest);
-      const auto fringe = [&](Ints octant) HWY_ATTR {
-        return bit_if_negative(hn::Or(hn::Sub(octant, near_min), hn::Sub(near_max, octant)));
+      const auto fringe = [&](Ints place) HWY_ATTR {
+        return bit_if_negative(hn::Or(hn::Sub(place, near_min), hn::Sub(near_max, place)));
       };
       parts[m] = hn::Or(hit_parts(m, hn::Or(far_min, hn::ShiftLeft<16>(far_max))),
                         hn::Or(fringe(far_min), hn::ShiftLeft<16>(fringe(far_max))));

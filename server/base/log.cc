@@ -1,6 +1,6 @@
 #include "server/base/log.h"
 
-#include <grpc/support/log.h>
+#include <grpcpp/version_info.h>
 #include <spdlog/async.h>
 #include <spdlog/async_logger.h>
 #include <spdlog/sinks/stdout_sinks.h>
@@ -15,6 +15,18 @@
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/escaping.h"
+
+// From 1.65 on, gRPC logs by Abseil, and ignores functions of others.
+#define LATVOX_GRPC_LOGS_BY_ABSEIL (GRPC_CPP_VERSION_MAJOR > 1 || GRPC_CPP_VERSION_MINOR >= 65)
+#if LATVOX_GRPC_LOGS_BY_ABSEIL
+#include "absl/log/globals.h"
+#include "absl/log/initialize.h"
+#include "absl/log/log_entry.h"
+#include "absl/log/log_sink.h"
+#include "absl/log/log_sink_registry.h"
+#else
+#include <grpc/support/log.h>
+#endif
 
 namespace latvox {
 namespace {
@@ -76,7 +88,28 @@ std::string JsonLine(absl::string_view event, const std::vector<LogField>& field
   return line;
 }
 
+#if LATVOX_GRPC_LOGS_BY_ABSEIL
+class GrpcSink final : public absl::LogSink {
+ public:
+  void Send(const absl::LogEntry& entry) override {
+    Log(LogLevel::kDebug, "grpc", {{"message", std::string{entry.text_message()}}});
+  }
+};
+
+// Abseil takes a sink once, and writes to standard error as well until it is initialized.
+void TakeLogOfGrpc() {
+  static const bool taken = [] {
+    absl::InitializeLog();
+    absl::SetStderrThreshold(absl::LogSeverityAtLeast::kInfinity);
+    absl::AddLogSink(new GrpcSink);
+    return true;
+  }();
+  static_cast<void>(taken);
+}
+#else
 void LogFromGrpc(gpr_log_func_args* args) { Log(LogLevel::kDebug, "grpc", {{"message", args->message}}); }
+void TakeLogOfGrpc() { gpr_set_log_function(&LogFromGrpc); }
+#endif
 
 }  // namespace
 
@@ -97,7 +130,7 @@ void StartLog(LogLevel level, LogFormat format) {
   kept->push_back(logger);
   logger->set_error_handler([](const std::string&) {});  // for lines after StopLog
   g_logger = logger.get();
-  gpr_set_log_function(&LogFromGrpc);
+  TakeLogOfGrpc();
 }
 
 void SetLogLevel(LogLevel level) {

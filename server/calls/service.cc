@@ -121,7 +121,7 @@ grpc::ServerUnaryReactor* VoxelizerService::GetLimits(grpc::CallbackServerContex
   CallOrigin origin = OriginOf("GetLimits", *context);
   const grpc::Status status = Admit(*context, origin);
   if (status.ok()) {
-    *response = LimitsToProto(LimitsOf(origin.caller, environment_.limits));
+    *response = LimitsToProto(LimitsOf(origin.caller, environment_.limits), environment_.build);
     RequestRecord record;
     record.origin = std::move(origin);
     record.bytes_out = response->ByteSizeLong();

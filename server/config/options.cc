@@ -6,6 +6,7 @@
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
+#include "deploy/manual/build_facts.h"
 #include "deploy/manual/command_parser.h"
 #include "deploy/manual/man_page.h"
 #include "server/config/option_kinds.h"
@@ -155,7 +156,8 @@ Rows ParentRows(ProgramOptions& options) {
 }
 
 void AddOptions(CommandParser& parser, ProgramOptions& options) {
-  parser.SetVersion("latvoxd " LATVOX_VERSION);
+  options.server.build = FactsOfThisBuild();
+  parser.SetVersion(VersionPage("latvoxd", options.server.build));
   AddConfigurationFile(parser);
   parser.Add(MainRows(options));
   parser.Add(Grouped("Limits", LimitRows(options.server.limits)));

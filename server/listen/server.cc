@@ -139,7 +139,8 @@ class Server final : public VoxelServer {
         uploads_(memory_, options_.limits.mesh_store_bytes),
         registry_({options_.limits.max_jobs, options_.limits.max_queued_jobs, options_.limits.max_jobs_per_client}),
         access_(options_.access),
-        service_({options_.limits, *decoders_, meshes_, uploads_, memory_, quick_, bulk_, registry_, metrics_},
+        service_({options_.limits, *decoders_, meshes_, uploads_, memory_, quick_, bulk_, registry_, metrics_,
+                  options_.build},
                  access_.authenticator()) {
     AddMetrics();
   }

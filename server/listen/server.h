@@ -9,6 +9,7 @@
 
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
+#include "deploy/manual/build_facts.h"
 #include "server/access/access.h"
 #include "server/base/limits.h"
 #include "server/base/unix_socket.h"
@@ -21,6 +22,7 @@ struct ServerOptions {
   int threads = 0;                                        // for compute; 0: one for each core that control groups allow
   Limits limits;
   AccessOptions access;
+  BuildFacts build;            // for GetLimits
   std::string metrics_listen;  // HOST:PORT for Prometheus; empty: none
   std::string health_listen;   // for grpc.health.v1 alone, in plain text; empty: none
   DecoderOptions decoder;      // its `program` must be set: the server has no default

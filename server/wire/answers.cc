@@ -146,7 +146,7 @@ v1::Certificate CertificateToProto(const JobSpec& spec, const JobFacts& facts, c
   return certificate;
 }
 
-v1::GetLimitsResponse LimitsToProto(const Limits& limits) {
+v1::GetLimitsResponse LimitsToProto(const Limits& limits, const BuildFacts& build) {
   v1::GetLimitsResponse response;
   response.set_max_mesh_bytes(limits.max_mesh_bytes);
   response.set_max_triangles(limits.max_triangles);
@@ -165,6 +165,12 @@ v1::GetLimitsResponse LimitsToProto(const Limits& limits) {
   response.set_mesh_store_bytes(limits.mesh_store_bytes);
   response.set_max_visited_points(limits.max_visited_points);
   response.set_max_job_seconds(absl::ToDoubleSeconds(limits.max_job_time));
+  response.set_commit(build.commit);
+  for (const auto& [name, version] : build.libraries) {
+    v1::Library& library = *response.add_libraries();
+    library.set_name(name);
+    library.set_version(version);
+  }
   return response;
 }
 

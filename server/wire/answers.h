@@ -10,6 +10,7 @@
 #include "core/mesh/mesh.h"
 #include "core/verify/verify.h"
 #include "core/voxelizer/voxelizer.h"
+#include "deploy/manual/build_facts.h"
 #include "latvox/v1/voxelizer.pb.h"
 #include "server/base/limits.h"
 #include "server/wire/convert.h"
@@ -29,7 +30,7 @@ v1::Accepted AcceptedToProto(const std::string& request_id, const VoxelRequest& 
 v1::Certificate CertificateToProto(const JobSpec& spec, const JobFacts& facts, const MeshSource& source,
                                    const JobTotals& totals, const std::optional<Verdict>& verdict);
 
-v1::GetLimitsResponse LimitsToProto(const Limits& limits);
+v1::GetLimitsResponse LimitsToProto(const Limits& limits, const BuildFacts& build);
 
 }  // namespace latvox
 

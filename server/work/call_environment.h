@@ -8,6 +8,7 @@
 
 namespace latvox {
 
+struct BuildFacts;
 class CallRegistry;
 class WorkLanes;
 class WorkQueue;
@@ -28,6 +29,7 @@ struct CallEnvironment {
   WorkLanes& bulk;   // for longer work
   CallRegistry& registry;
   Metrics& metrics;
+  const BuildFacts& build;
   std::string client = {};  // that the call counts for
 };
 

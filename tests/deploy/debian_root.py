@@ -7,6 +7,7 @@
 import contextlib
 import os
 import pathlib
+import platform
 import shutil
 import subprocess
 import sys
@@ -18,7 +19,8 @@ sys.path.insert(0, str(ROOT / "tests" / "e2e"))
 import harness  # noqa: E402
 
 STATE = pathlib.Path(os.environ["LATVOX_BUILD_DIR"]) / "deploy"
-RELEASE = "bookworm"
+OWN_RELEASE = platform.freedesktop_os_release()["VERSION_CODENAME"]
+RELEASE = os.environ.get("LATVOX_DEBIAN", OWN_RELEASE)  # of the fresh Debian
 SKIPPED = 77
 
 
@@ -45,9 +47,10 @@ def run(*command, check=True, timeout=120, **options):
 
 
 def package_sources():
-    """Returns Debian's lines among this machine's own package sources, in the form of sources.list."""
+    """Returns Debian's lines among this machine's own package sources, for RELEASE, in the form of sources.list."""
     form = "deb $(REPO_URI) $(CODENAME) $(COMPONENT)"
     listed = run("apt-get", "indextargets", "--format", form, "Created-By: Packages", "Origin: Debian").stdout
+    listed = listed.replace(f" {OWN_RELEASE}", f" {RELEASE}")
     if not listed:
         skip("apt knows no package source of Debian; apt-get update")
     return "".join(f"{line}\n" for line in dict.fromkeys(listed.splitlines()))

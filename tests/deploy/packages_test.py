@@ -1,5 +1,6 @@
 """The Debian packages of build/packages: judged by lintian, then installed, used, upgraded, removed and purged in a fresh
-Debian, with systemd as its process 1. `tests/run --packages` makes the packages first."""
+Debian, with systemd as its process 1. `tests/run --packages` makes the packages first. LATVOX_DEBIAN, if set, is another
+release: those of build/RELEASE/packages."""
 
 import json
 import pathlib
@@ -12,7 +13,7 @@ import unittest
 import debian_root
 from debian_root import ROOT, STATE, Root, await_true, run
 
-PACKAGES = ROOT / "build/packages"
+PACKAGES = ROOT / "build" / ("" if debian_root.RELEASE == debian_root.OWN_RELEASE else debian_root.RELEASE) / "packages"
 NAMES = ("latvox", "latvoxd", "liblatvox-dev", "python3-latvox")
 BUNNY = "/usr/share/glmark2/models/bunny.obj"
 ADDRESS = "127.0.0.1:50151"

@@ -4,6 +4,7 @@ import csv
 import json
 import random
 import re
+import shutil
 import struct
 import subprocess
 import unittest
@@ -231,13 +232,7 @@ class Fields(Case):
         found = {item.min: tuple(item.value) for item in grid.iterOnValues()}
         self.assertEqual({ijk: tuple(round(255 * x) for x in color) for ijk, color in found.items()},
                          {ijk: carried[1:4] for ijk, carried in voxels.items()})  # fmt: skip
-        # OpenVDB's expressions copy integer grids into the grid of colors.
-        expression = "vec3f@color = {float(int@material), float(int@part), -1.0f};"
-        subprocess.run(["vdb_ax", "-i", self.dir / "o.vdb", "-o", self.dir / "ax.vdb", "-s", expression],
-                       capture_output=True, timeout=PATIENCE, check=True)  # fmt: skip
-        grid = pyopenvdb.read(str(self.dir / "ax.vdb"), "color")
-        self.assertEqual({item.min: tuple(item.value) for item in grid.iterOnValues()},
-                         {ijk: (carried[0], carried[4], -1) for ijk, carried in voxels.items()})  # fmt: skip
+        self.check_expressions(voxels)
         count = len(voxels)
         self.assertEqual(grids_of(self.dir / "o.vdb"), dict.fromkeys(("voxels", "material", "color", "part"), count))
         array = numpy.load(self.dir / "o.npy")
@@ -250,6 +245,18 @@ class Fields(Case):
         rows = read_points(self.dir / "o.ply", *"ijk", "material", "red", "green", "blue", "part")
         self.assertEqual({(i, j, k): (material, *(c % 256 for c in color), part)
                           for _, i, j, k, material, *color, part in rows}, voxels)  # fmt: skip
+
+    def check_expressions(self, voxels):
+        """OpenVDB's expressions copy integer grids into the grid of colors."""
+        if shutil.which("vdb_ax") is None:
+            print("fields: expressions are NOT CHECKED, because Debian 13 has no vdb_ax")
+            return
+        expression = "vec3f@color = {float(int@material), float(int@part), -1.0f};"
+        subprocess.run(["vdb_ax", "-i", self.dir / "o.vdb", "-o", self.dir / "ax.vdb", "-s", expression],
+                       capture_output=True, timeout=PATIENCE, check=True)  # fmt: skip
+        grid = pyopenvdb.read(str(self.dir / "ax.vdb"), "color")
+        self.assertEqual({item.min: tuple(item.value) for item in grid.iterOnValues()},
+                         {ijk: (carried[0], carried[4], -1) for ijk, carried in voxels.items()})  # fmt: skip
 
     def test_parts_of_the_whole_and_dracos_own_encoder_give_the_same(self):
         mesh = self.colored()

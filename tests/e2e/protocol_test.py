@@ -17,8 +17,8 @@ class Protocol(unittest.TestCase):
         shutil.copytree(ROOT / "proto", self.proto)
         self.file = self.proto / "latvox/v1/voxelizer.proto"
 
-    def check(self):
-        return subprocess.run([self.proto / "check"], env=os.environ | {"LATVOX_BUF": str(BUF)}, capture_output=True, text=True)
+    def check(self, *folder):
+        return subprocess.run([self.proto / "check", *folder], env=os.environ | {"LATVOX_BUF": str(BUF)}, capture_output=True, text=True)
 
     def replace(self, old, new):
         text = self.file.read_text()
@@ -38,6 +38,13 @@ class Protocol(unittest.TestCase):
     def test_a_new_field_is_no_breach(self):
         self.replace("  bool verify = 8;", "  bool verify = 8;\n\n  // For this test.\n  bool another = 99;")
         self.assertEqual(self.check().returncode, 0)
+
+    def test_another_copy_can_be_named(self):
+        shutil.move(self.proto / "released", self.proto.parent / "last")
+        last = self.proto.parent / "last"
+        self.assertEqual(self.check(last).returncode, 0)
+        self.replace("  bool verify = 8;", "  bool verify = 99;")
+        self.assertNotEqual(self.check(last).returncode, 0)
 
     def test_a_missing_copy_is_told(self):
         (self.proto / "released/latvox/v1/voxelizer.proto").unlink()

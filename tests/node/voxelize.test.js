@@ -205,4 +205,6 @@ test('the limits are told', async () => {
   assert.equal(limits.subvoxelBits, 8);
   assert.ok(Number(limits.maxMeshBytes) > 0 && Number(limits.maxTriangles) > 0 && limits.maxJobs > 0);
   assert.match(limits.version, /^\d+\.\d+\.\d+$/);
+  assert.match(limits.commit, /^([0-9a-f]{40}(-modified)?|unknown)$/);
+  assert.ok(limits.libraries.some(({ name, version }) => name === 'gRPC' && /^1\.\d+/.test(version)));
 });

@@ -272,6 +272,12 @@ struct Voxelization {
   std::vector<FieldValues> fields = {};  // of their voxels, as in BrickBatch
 };
 
+// A library of a server.
+struct Library {
+  std::string name;     // such as "gRPC"
+  std::string version;  // such as "1.51.1"
+};
+
 // The limits of requests.
 struct Limits {
   uint64_t max_mesh_bytes = 0;       // of an encoded mesh
@@ -291,6 +297,8 @@ struct Limits {
   uint64_t mesh_store_bytes = 0;     // for all stored meshes
   uint64_t max_visited_points = 0;   // lattice points that one request looks at, by the server's estimate
   double max_job_seconds = 0;        // CPU time of one job, without decoding its mesh
+  std::string commit = {};           // of the server: 40 digits, "-modified" after them if files differed; or "unknown"
+  std::vector<Library> libraries = {};  // that the server was built with, in the order of their names
 };
 
 }  // namespace latvox::client

@@ -35,6 +35,7 @@
 #include "client/tool/output/output.h"
 #include "client/tool/output/standard_output.h"
 #include "client/tool/vdb/vdb.h"
+#include "deploy/manual/build_facts.h"
 #include "deploy/manual/command_parser.h"
 #include "deploy/manual/completions.h"
 #include "deploy/process/exhaustion.h"
@@ -99,7 +100,7 @@ std::string Completions(const CommandFacts& facts, const std::string& shell) {
 class Program {
  public:
   Program() {
-    parser_.SetVersion("latvox " LATVOX_VERSION);
+    parser_.SetVersion(VersionPage("latvox", FactsOfThisBuild()));
     parser_.SetFooter(Footer());
     AddCallers();
     AddReaders();

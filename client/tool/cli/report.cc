@@ -73,6 +73,8 @@ Json FieldsJson(const Certificate& certificate, const CarriedNames& names) {
 }
 
 Json LimitsJson(const Limits& limits) {
+  Json libraries = Json::object();
+  for (const auto& [name, version] : limits.libraries) libraries[name] = version;
   return {{"max_mesh_bytes", limits.max_mesh_bytes},
           {"max_triangles", limits.max_triangles},
           {"max_vertices", limits.max_vertices},
@@ -89,7 +91,9 @@ Json LimitsJson(const Limits& limits) {
           {"mesh_store_bytes", limits.mesh_store_bytes},
           {"max_visited_points", limits.max_visited_points},
           {"max_job_seconds", limits.max_job_seconds},
-          {"version", limits.version}};
+          {"version", limits.version},
+          {"commit", limits.commit},
+          {"libraries", libraries}};
 }
 
 // Returns the certain facts about the set. Other algorithms than the exact one guarantee nothing beyond the counts.
@@ -357,7 +361,10 @@ std::string ToJson(const Limits& limits) { return Dump(LimitsJson(limits)); }
 
 std::string ToText(const Limits& limits) {
   std::string text;
-  const Json json = LimitsJson(limits);
+  Json json = LimitsJson(limits);
+  json["libraries"] = absl::StrJoin(limits.libraries, ", ", [](std::string* list, const Library& library) {
+    absl::StrAppend(list, library.name, " ", library.version);
+  });
   for (const auto& [name, value] : json.items()) {
     const std::string shown = value.is_string() ? value.get<std::string>() : value.dump();
     absl::StrAppendFormat(&text, "%-20s %s\n", name, shown);

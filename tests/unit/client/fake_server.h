@@ -30,6 +30,10 @@ class FakeService final : public v1::Voxelizer::Service {
   grpc::Status GetLimits(grpc::ServerContext*, const v1::GetLimitsRequest*, v1::GetLimitsResponse* response) override {
     response->set_max_extent(65536);
     response->set_version("fake");
+    response->set_commit("abc");
+    v1::Library& library = *response->add_libraries();
+    library.set_name("gRPC");
+    library.set_version("1.51.1");
     return grpc::Status::OK;
   }
 

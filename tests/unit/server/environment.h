@@ -2,6 +2,7 @@
 #ifndef LATVOX_TESTS_UNIT_SERVER_ENVIRONMENT_H_
 #define LATVOX_TESTS_UNIT_SERVER_ENVIRONMENT_H_
 
+#include "deploy/manual/build_facts.h"
 #include "server/access/authenticator.h"
 #include "server/base/limits.h"
 #include "server/calls/call_registry.h"
@@ -20,9 +21,10 @@ struct TestEnvironment {
   explicit TestEnvironment(MeshDecoder& mesh_decoder, const Limits& all_limits = {})
       : limits(all_limits), decoder(mesh_decoder) {}
 
-  CallEnvironment shared() { return {limits, decoder, meshes, uploads, memory, quick, bulk, registry, metrics}; }
+  CallEnvironment shared() { return {limits, decoder, meshes, uploads, memory, quick, bulk, registry, metrics, build}; }
 
   const Limits limits;
+  const BuildFacts build;
   MeshDecoder& decoder;
   MeshStore meshes{limits.mesh_store_bytes};
   MemoryBudget memory{limits.memory_budget_bytes};

@@ -204,6 +204,9 @@ TEST(Connection, LimitsAndHealthAreAsTheServerSays) {
   ASSERT_TRUE(limits.ok()) << limits.status();
   EXPECT_EQ(limits->max_extent, 65536u);
   EXPECT_EQ(limits->version, "fake");
+  EXPECT_EQ(limits->commit, "abc");
+  ASSERT_EQ(limits->libraries.size(), 1u);
+  EXPECT_EQ(limits->libraries[0].name + " " + limits->libraries[0].version, "gRPC 1.51.1");
   auto healthy = fake.client().Health();
   ASSERT_TRUE(healthy.ok()) << healthy.status();
   EXPECT_TRUE(*healthy);

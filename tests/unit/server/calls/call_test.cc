@@ -239,12 +239,16 @@ TEST_F(ServerTest, HoldsMeshesAgainstItsLimits) {
 
 TEST_F(ServerTest, TellsItsLimits) {
   options_.limits.max_jobs = 7;
+  options_.build = {.commit = "abc", .libraries = {{"gRPC", "1.51.1"}}};
   Start();
   grpc::ClientContext context;
   v1::GetLimitsResponse limits;
   ASSERT_TRUE(stub_->GetLimits(&context, {}, &limits).ok());
   EXPECT_EQ(limits.max_jobs(), 7);
   EXPECT_EQ(limits.version(), LATVOX_VERSION);
+  EXPECT_EQ(limits.commit(), "abc");
+  ASSERT_EQ(limits.libraries_size(), 1);
+  EXPECT_EQ(limits.libraries(0).name(), "gRPC");
 }
 
 // A unary call whose messages are their bytes on the wire.

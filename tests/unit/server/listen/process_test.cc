@@ -32,6 +32,7 @@ namespace latvox {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::MatchesRegex;
 using ::testing::UnorderedElementsAre;
 
 TEST(Latvoxd, EndsCleanlyOnEachOfItsSignals) {
@@ -218,7 +219,8 @@ TEST(Latvoxd, RefusesUnknownKeysOfItsFile) {
 
 TEST(Latvoxd, TellsItsVersion) {
   Process server(Latvoxd({"--version"}));
-  EXPECT_EQ(server.ReadAll(), "latvoxd " LATVOX_VERSION "\n");
+  EXPECT_THAT(server.ReadAll(),
+              MatchesRegex("latvoxd " LATVOX_VERSION "\ncommit [0-9a-z-]+\nbuilt with .*gRPC [0-9.]+, .*\n"));
   EXPECT_EQ(server.Wait(), 0);
 }
 

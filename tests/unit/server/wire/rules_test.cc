@@ -305,17 +305,19 @@ TEST(Certificate, ClaimsOfAnotherAlgorithmThanTheExactOneOnlyWhatWasCounted) {
 }
 
 TEST(Limits, AreReportedAsTheyAreSet) {
-  const v1::GetLimitsResponse limits = LimitsToProto({.max_mesh_bytes = 1,
-                                                      .max_triangles = 2,
-                                                      .max_vertices = 3,
-                                                      .max_jobs = 4,
-                                                      .max_queued_jobs = 6,
-                                                      .max_jobs_per_client = 7,
-                                                      .max_visited_points = 8,
-                                                      .max_job_time = absl::Seconds(2.5),
-                                                      .memory_budget_bytes = 9,
-                                                      .mesh_store_bytes = 10,
-                                                      .max_message_bytes = 5});
+  const v1::GetLimitsResponse limits =
+      LimitsToProto({.max_mesh_bytes = 1,
+                     .max_triangles = 2,
+                     .max_vertices = 3,
+                     .max_jobs = 4,
+                     .max_queued_jobs = 6,
+                     .max_jobs_per_client = 7,
+                     .max_visited_points = 8,
+                     .max_job_time = absl::Seconds(2.5),
+                     .memory_budget_bytes = 9,
+                     .mesh_store_bytes = 10,
+                     .max_message_bytes = 5},
+                    {.commit = "abc", .libraries = {{"gRPC", "1.51.1"}, {"oneTBB", "2021.8"}}});
   EXPECT_EQ(limits.max_mesh_bytes(), 1);
   EXPECT_EQ(limits.max_triangles(), 2);
   EXPECT_EQ(limits.max_vertices(), 3);
@@ -330,9 +332,13 @@ TEST(Limits, AreReportedAsTheyAreSet) {
   EXPECT_EQ(limits.max_extent(), kMaxExtent);
   EXPECT_EQ(limits.subvoxel_bits(), kSubvoxelBits);
   EXPECT_EQ(limits.version(), LATVOX_VERSION);
-  EXPECT_EQ(LimitsToProto({}).max_points(), 131072);
-  EXPECT_EQ(LimitsToProto({}).max_pixels(), 419328);
-  EXPECT_EQ(LimitsToProto({}).max_crossings(), 16 * 419328);
+  EXPECT_EQ(limits.commit(), "abc");
+  ASSERT_EQ(limits.libraries_size(), 2);
+  EXPECT_EQ(limits.libraries(1).name(), "oneTBB");
+  EXPECT_EQ(limits.libraries(1).version(), "2021.8");
+  EXPECT_EQ(LimitsToProto({}, {}).max_points(), 131072);
+  EXPECT_EQ(LimitsToProto({}, {}).max_pixels(), 419328);
+  EXPECT_EQ(LimitsToProto({}, {}).max_crossings(), 16 * 419328);
 }
 
 }  // namespace

@@ -1,0 +1,179 @@
+"""deploy/release refuses a commit that is not ready, and names the reason. Each test has a repository of its own.
+
+The script and the check of the protocol are the real ones. Programs that would build for minutes are stubs, which write
+small files. buf is the real one where a protocol changes, because its start takes half a second.
+"""
+
+import hashlib
+import os
+import pathlib
+import shutil
+import subprocess
+import tarfile
+import tempfile
+import unittest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+BUF = ROOT / "tests/node/node_modules/.bin/buf"
+PROTOCOL = "proto/latvox/v1/voxelizer.proto"
+RELEASED = "proto/released/latvox/v1/voxelizer.proto"
+# Stubs: path in the repository or in PATH -> script.
+STUBS = {
+    "deploy/install-packages": "",
+    "deploy/packaging/build": 'mkdir -p build/packages/docs; touch build/packages/latvox_own.deb build/packages/docs/index.html',
+    "deploy/packaging/in-debian": 'mkdir -p build/$1/packages; touch "build/$1/packages/latvox_$1.deb"',
+    "deploy/sbom": "echo '{}'",
+}
+PROGRAMS = {
+    "cmake": 'mkdir -p build/abi/client; touch build/abi/client/liblatvox.so',
+    "abidw": 'while [[ $1 != --out-file ]]; do shift; done; echo "$ABI" >"$2"',
+    "abidiff": 'cmp -s "$2" "$3" || exit 4',
+    "docker": "exit 1",
+}
+
+
+class Release(unittest.TestCase):
+    def setUp(self):
+        self.dir = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory(prefix="latvox-release-")))
+        self.repository = self.dir / "repository"
+        (self.repository / "deploy/packaging").mkdir(parents=True)
+        (self.dir / "bin").mkdir()
+        shutil.copy(ROOT / "deploy/release", self.repository / "deploy")
+        shutil.copytree(ROOT / "proto", self.repository / "proto")
+        shutil.copy(self.repository / PROTOCOL, self.repository / RELEASED)
+        for path, script in [*STUBS.items(), *((self.dir / "bin" / name, script) for name, script in PROGRAMS.items())]:
+            stub = self.repository / path
+            stub.write_text(f"#!/bin/bash\n{script}\n")
+            stub.chmod(0o755)
+        (self.repository / ".gitignore").write_text("/build/\n")
+        self.git("init", "--quiet")
+        self.prepare("0.1.0")
+
+    def git(self, *words):
+        settings = ["-c", "user.name=a", "-c", "user.email=a@localhost", "-c", "init.defaultBranch=main", "-c", "tag.gpgSign=false"]
+        return subprocess.run(["git", *settings, "-C", self.repository, *words], capture_output=True, text=True, check=True).stdout
+
+    def prepare(self, version, heading=None):
+        """Commits everything, with a version and a section of the change log."""
+        (self.repository / "CMakeLists.txt").write_text(f"project(latvox VERSION {version} LANGUAGES CXX)\n")
+        heading = heading or f"## {version}, 2030-01-31"
+        (self.repository / "deploy/CHANGELOG.md").write_text(f"# Change log\n\n{heading}\n\nText.\n\n## 0.0.1, 2029-01-31\n")
+        self.git("add", ".")
+        self.git("commit", "--quiet", "--message", version)
+
+    def release(self, *words, abi="one", buf="true"):
+        environment = os.environ | {"PATH": f"{self.dir / 'bin'}:{os.environ['PATH']}", "LATVOX_BUF": str(buf), "ABI": abi}
+        return subprocess.run([self.repository / "deploy/release", *words], env=environment, capture_output=True, text=True)
+
+    def refused(self, why, *words, **options):
+        done = self.release(*words, **options)
+        self.assertEqual(done.returncode, 1, done.stdout + done.stderr)
+        self.assertIn(f"release: refused: {why}", done.stderr)
+        self.assertEqual(done.stderr.count("refused"), 1, done.stderr)
+        self.assertFalse((self.repository / f"build/releases/{words[0]}/SHA256SUMS").exists())
+
+    def made(self, *words, **options):
+        done = self.release(*words, **options)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        return done.stdout
+
+    def replace(self, path, old, new):
+        text = (self.repository / path).read_text()
+        self.assertEqual(text.count(old), 1, old)
+        (self.repository / path).write_text(text.replace(old, new))
+
+    def break_protocol(self):
+        for path in PROTOCOL, RELEASED:
+            self.replace(path, "  bool verify = 8;", "  bool verify = 99;")
+
+    def test_a_release_has_all_files_and_their_checksums(self):
+        text = self.made("0.1.0")
+        folder = self.repository / "build/releases/0.1.0"
+        names = {"latvox-0.1.0.tar.gz", "latvox-0.1.0-docs.tar.gz", "latvox-0.1.0.spdx.json", "latvox-0.1.0.abi.tar.gz",
+                 "latvox_own.deb"}  # fmt: skip
+        sums = dict(reversed(line.split("  ")) for line in (folder / "SHA256SUMS").read_text().splitlines())
+        self.assertLessEqual(names, sums.keys())
+        self.assertEqual({path.name for path in folder.iterdir()} - {"SHA256SUMS"}, sums.keys())
+        for name, sum in sums.items():
+            self.assertEqual(hashlib.sha256((folder / name).read_bytes()).hexdigest(), sum)
+        with tarfile.open(folder / "latvox-0.1.0.tar.gz") as tarball:
+            self.assertIn("latvox-0.1.0/CMakeLists.txt", tarball.getnames())
+        for told in ("no release before this one", "no ABI of a last release", "NOT BUILT: docker", "git tag -s v0.1.0"):
+            self.assertIn(told, text)
+
+    def test_equal_commits_make_equal_files(self):
+        self.made("0.1.0")
+        sums = self.repository / "build/releases/0.1.0/SHA256SUMS"
+        before = sums.read_text()
+        self.made("0.1.0")
+        self.assertEqual(sums.read_text(), before)
+
+    def test_wrong_usage_has_status_two(self):
+        for words in ([], ["1.2"], ["1.2.3.4"], ["01.2.3"], ["v1.2.3"], ["0.1.0", "--force"], ["0.1.0", "0.1.1"], ["0.1.0", "--last-abi"]):
+            self.assertEqual(self.release(*words).returncode, 2, words)
+
+    def test_a_changed_tree_is_refused(self):
+        self.replace("CMakeLists.txt", "CXX)", "CXX )")
+        self.refused("the tree has changes that no commit has: CMakeLists.txt", "0.1.0")
+
+    def test_a_file_that_no_commit_has_is_refused(self):
+        (self.repository / "new").touch()
+        self.refused("the tree has changes that no commit has: new", "0.1.0")
+
+    def test_another_version_in_cmake_is_refused(self):
+        self.prepare("0.1.0", heading="## 0.2.0, 2030-01-31")
+        self.refused("CMakeLists.txt states version 0.1.0, and not 0.2.0", "0.2.0")
+
+    def test_a_change_log_without_number_or_date_is_refused(self):
+        for heading in ("## 0.1.0, in preparation", "## 0.2.0, 2030-01-31", "## 0.1.0"):
+            self.prepare("0.1.0", heading=heading)
+            self.refused(f'the first section of deploy/CHANGELOG.md is "{heading}"', "0.1.0")
+
+    def test_an_existing_tag_is_refused(self):
+        self.git("tag", "v0.1.0")
+        self.refused("the tag v0.1.0 exists", "0.1.0")
+
+    def test_a_version_below_the_last_is_refused(self):
+        self.git("tag", "v0.10.0")
+        self.prepare("0.9.0")
+        self.refused("0.9.0 is below 0.10.0, the last release", "0.9.0")
+
+    def test_a_protocol_that_was_not_copied_is_refused(self):
+        self.replace(PROTOCOL, "  bool verify = 8;", "  bool verify = 8;\n\n  // For this test.\n  bool another = 99;")
+        self.prepare("0.1.0")
+        self.refused("proto/released is not this protocol", "0.1.0")
+
+    def test_a_protocol_that_breaks_its_promise_is_refused(self):
+        for last, version, allowed in (("1.0.0", "1.1.0", False), ("1.9.0", "2.0.0", True)):
+            self.prepare(last)
+            self.git("tag", f"v{last}")
+            self.break_protocol()
+            self.prepare(version)
+            if allowed:
+                self.assertIn(f"breaks that of {last}, as {version} may", self.made(version, buf=BUF))
+            else:
+                self.refused(f"the protocol breaks that of {last}, and {version} promises to keep it", version, buf=BUF)
+            self.git("reset", "--quiet", "--hard", f"v{last}")
+
+    def test_an_abi_that_breaks_programs_is_refused(self):
+        self.made("0.1.0")
+        dump = self.dir / "latvox-0.1.0.abi.tar.gz"
+        shutil.copy(self.repository / "build/releases/0.1.0/latvox-0.1.0.abi.tar.gz", dump)
+        self.git("tag", "v0.1.0")
+        self.prepare("0.1.1")
+        self.refused("the SDK keeps the soname of 0.1.0; name its dump by --last-abi latvox-0.1.0.abi.tar.gz", "0.1.1")
+        self.refused("--last-abi: there is no file none", "0.1.1", "--last-abi", "none")
+        self.refused("liblatvox: the ABI may break programs of 0.1.0", "0.1.1", "--last-abi", dump, abi="another")
+        self.assertIn("liblatvox: programs of 0.1.0 go on working", self.made("0.1.1", "--last-abi", dump))
+
+    def test_a_dry_run_goes_on_and_tells_what_it_would_refuse(self):
+        self.replace("CMakeLists.txt", "CXX)", "CXX )")
+        done = self.release("0.2.0", "--dry-run")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(done.stderr.count("release: refused: "), 3)
+        self.assertIn("Dry run: a release would be refused, for 3 reasons", done.stdout)
+        self.assertTrue((self.repository / "build/releases/0.2.0/SHA256SUMS").exists())
+
+
+if __name__ == "__main__":
+    unittest.main()
