@@ -9,6 +9,7 @@ import datetime
 import hashlib
 import hmac
 import http.client
+import os
 import pathlib
 import socket
 import subprocess
@@ -139,9 +140,19 @@ def backends(folder, conf, logger):
     return made
 
 
+def end_with(parent):
+    """Ends this process soon after its parent, however that ended."""
+    import eventlet
+
+    while os.getppid() == parent:
+        eventlet.sleep(0.5)
+    os._exit(0)
+
+
 def serve(folder, port):
     import eventlet
 
+    parent = os.getppid()
     eventlet.monkey_patch()
     import eventlet.wsgi
     from swift.common import utils
@@ -163,13 +174,14 @@ def serve(folder, port):
     application._pipeline_final_app = application
     for layer in (slo, tempauth, s3api, gatekeeper, catch_errors):
         application = layer.filter_factory(conf)(application)
+    eventlet.spawn(end_with, parent)
     cache = Cache()
     whole = application
 
     def with_cache(environment, start_response):
         return whole({**environment, "swift.cache": cache}, start_response)
 
-    eventlet.wsgi.server(eventlet.listen(("127.0.0.1", port), reuse_addr=True), with_cache, log_output=False, debug=False)
+    eventlet.wsgi.server(eventlet.listen(("127.0.0.1", port), reuse_addr=True, reuse_port=False), with_cache, log_output=False, debug=False)
 
 
 if __name__ == "__main__":

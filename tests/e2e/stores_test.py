@@ -308,14 +308,18 @@ class Faults(Stores):
     def test_a_killed_store_comes_back(self):
         jobs = self.small()
 
+        turns = iter(range(10000))
+        restart = threading.Thread(target=self.store.start)
+
         def choose(_):
-            if len(relay.passed) == 20:
+            if next(turns) == 20:
                 self.store.kill()
-                threading.Thread(target=self.store.start).start()
+                restart.start()
             return None
 
         with Relay(self.store, choose) as relay:
             self.batch(jobs, environment=self.environment(relay.port))
+            restart.join()
             self.assertIn("dead", {p.fault for p in relay.passed})
         self.expect_objects(jobs)
         self.assertEqual(len(self.keys()), len(jobs))
