@@ -40,6 +40,11 @@ class Late(Case):
         self.assertEqual(len(openvdb(loaded("voxelize", BUNNY, "--resolution", "16", "-o", path))), 2)
         self.assertEqual(latvox("info", path).returncode, 0)
 
+    def test_the_module_has_no_protocol(self):
+        listed = subprocess.run(["ldd", BIN / MODULE], capture_output=True, text=True, check=True).stdout
+        self.assertIn("libopenvdb", listed)
+        self.assertNotRegex(listed, "protobuf|grpc")  # messages that are registered twice would end the program
+
     def test_the_server_has_no_openvdb(self):
         listed = subprocess.run(["ldd", BIN / "latvoxd"], capture_output=True, text=True, check=True).stdout
         self.assertIn("libgrpc++", listed)
