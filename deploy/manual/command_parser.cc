@@ -128,6 +128,11 @@ CLI::Option* AddRow(CLI::App& app, const OptionRow& row) {
   return option;
 }
 
+// CLI11 2.4 converts the first of no results, and crashes, where 2.3 took the default.
+std::string PathOfFile(const CLI::Option& option) {
+  return option.empty() ? option.get_default_str() : option.as<std::string>();
+}
+
 std::string LongName(const CLI::Option& option) {
   return option.get_lnames().empty() ? option.get_name() : "--" + option.get_lnames().front();
 }
@@ -219,7 +224,7 @@ class CommandParser::File : public CLI::ConfigTOML {
       if (!option->get_lnames().empty()) rows.emplace(option->get_lnames().front(), &row);
     }
     std::vector<CLI::ConfigItem> found;
-    for (FileSetting& setting : ReadSettings(library_.app.get_config_ptr()->as<std::string>(), rows)) {
+    for (FileSetting& setting : ReadSettings(PathOfFile(*library_.app.get_config_ptr()), rows)) {
       if (!is_above_(setting.key)) {
         CLI::ConfigItem& item = found.emplace_back();
         item.name = setting.key;
@@ -365,7 +370,7 @@ bool CommandParser::was_given() const { return library_->app.parsed(); }
 
 std::string CommandParser::file() const {
   const CLI::Option* option = library_->app.get_config_ptr();
-  return option == nullptr ? "" : option->as<std::string>();
+  return option == nullptr ? "" : PathOfFile(*option);
 }
 
 std::vector<OptionState> CommandParser::States() const {
