@@ -1,6 +1,6 @@
 // Bearer tokens, as a file lists them. A line for each:
 //
-//   NAME TOKEN [max-jobs=N] [max-mesh-bytes=N] [max-triangles=N]
+//   NAME TOKEN [max-jobs=N] [max-job-seconds=N] [max-mesh-bytes=N] [max-triangles=N]
 //
 //   NAME   the client, for the log and its share of the server: letters, digits, . _ -. A name may have several tokens,
 //          each on a line of its own, so that a token can be changed without a gap.

@@ -1,5 +1,7 @@
-"""Callers that cannot stream upwards get the same voxels and the same errors: UploadMesh, VoxelizeStored, VoxelizeSmall."""
+"""Callers that cannot stream upwards get the same voxels and the same errors, and need tokens as all others:
+UploadMesh, VoxelizeStored, VoxelizeSmall."""
 
+import functools
 import hashlib
 import importlib
 import pathlib
@@ -41,13 +43,16 @@ class Calls(Case):
         self.pb = sys.modules["latvox.v1.voxelizer_pb2"]
         self.mesh, vertices, triangles = torus(60)
         self.raw = self.pb.RawMesh(vertices=vertices, triangles=triangles)
+        self.metadata = ()
 
     def open(self, *options):
         server = self.enterContext(harness.server(self.dir, *options))
         self.channel = self.enterContext(grpc.insecure_channel(server.address, [("grpc.max_receive_message_length", -1)]))
 
     def method(self, name, kind, request, response):
-        return getattr(self.channel, kind)(f"/latvox.v1.Voxelizer/{name}", request.SerializeToString, response.FromString)
+        path = f"/latvox.v1.Voxelizer/{name}"
+        call = getattr(self.channel, kind)(path, request.SerializeToString, response.FromString)
+        return functools.partial(call, metadata=self.metadata)
 
     def spec(self, resolution=40, **more):
         lattice = self.pb.Lattice(named=self.pb.NAMED_LATTICE_BCC)
@@ -89,6 +94,7 @@ class Calls(Case):
             list(answer if hasattr(answer, "__next__") else ())
         self.assertEqual(caught.exception.code(), code)
         self.assertIn(words, caught.exception.details())
+        return caught.exception
 
     def test_every_style_gives_the_same_voxels(self):
         self.open()
@@ -159,6 +165,68 @@ class Calls(Case):
         call.cancel()
         harness.await_log(self.dir, r"method=VoxelizeStored .*code=CANCELLED")
         self.assertLess(time.monotonic() - began, 5)
+
+    def use_token_of(self, name):
+        self.metadata = (("authorization", f"Bearer {name}-0123456789abcdef"),)
+
+    def open_with_tokens(self, **limits):
+        """Opens a server with a token for `alice`, and for each name of `limits` one with these limits."""
+        lines = [f"{name} {name}-0123456789abcdef {words}\n" for name, words in {"alice": "", **limits}.items()]
+        (self.dir / "tokens").write_text("".join(lines))
+        self.open("--token-file", self.dir / "tokens")
+
+    def unary_calls(self):
+        """The three calls for callers that cannot stream upwards."""
+        return [(self.upload, 0, self.mesh), (self.stored,), (self.small, self.mesh)]
+
+    def test_each_call_needs_a_good_token(self):
+        self.open_with_tokens()
+        good = "Bearer alice-0123456789abcdef"
+        other, wrong_scheme = "Bearer mallory-0123456789abc", "Basic " + good[7:]
+        for values in ([], [other], [good[:-1]], [good + "0"], [wrong_scheme], [good, good]):
+            self.metadata = [("authorization", value) for value in values]
+            for call, *arguments in self.unary_calls():
+                with self.subTest(values, call=call.__name__):
+                    words = "the call needs a good bearer token"
+                    error = self.refused(grpc.StatusCode.UNAUTHENTICATED, words, call, *arguments)
+                    details = dict(error.trailing_metadata())["grpc-status-details-bin"]
+                    self.assertIn(b"UNAUTHENTICATED", details)
+        self.use_token_of("alice")
+        self.assertEqual(self.upload(0, b"").next_offset, 0, "bytes without a token were kept")
+        self.upload_all()
+        self.assertEqual(list(self.stored())[-1].summary.certificate, self.small(self.mesh).summary.certificate)
+        harness.await_log(self.dir, r"method=VoxelizeSmall .*caller=alice")
+
+    def test_limits_of_a_token_hold_for_each_call(self):
+        self.open_with_tokens(light="max-mesh-bytes=1000", coarse="max-triangles=100", hurried="max-job-seconds=1")
+        full = grpc.StatusCode.RESOURCE_EXHAUSTED
+        self.use_token_of("alice")
+        self.upload_all()
+        for name, words in (("light", f"{len(self.mesh)} exceeds 1000"), ("coarse", "7200 exceeds 100")):
+            self.use_token_of(name)
+            for call, *arguments in self.unary_calls():
+                with self.subTest(name, call=call.__name__):
+                    self.refused(full, words, call, *arguments)
+        self.use_token_of("hurried")
+        self.assertGreater(list(self.stored())[-1].summary.voxels, 1000)
+        self.refused(full, "seconds", self.stored, resolution=8000)
+
+    def test_jobs_of_a_token_are_counted_over_all_calls(self):
+        self.open_with_tokens(single="max-jobs=1")
+        self.use_token_of("single")
+        self.upload_all()
+        running = self.stored(resolution=4000)
+        self.assertTrue(next(running).HasField("accepted"))
+        full = grpc.StatusCode.RESOURCE_EXHAUSTED
+        for call, *arguments in self.unary_calls():
+            with self.subTest(call=call.__name__):
+                self.refused(full, "jobs_of_client", call, *arguments)
+        self.use_token_of("alice")
+        self.assertGreater(self.small(self.mesh).summary.voxels, 1000)
+        running.cancel()
+        harness.await_log(self.dir, r"method=VoxelizeStored .*code=CANCELLED")
+        self.use_token_of("single")
+        self.assertGreater(self.small(self.mesh).summary.voxels, 1000)
 
 
 if __name__ == "__main__":
