@@ -101,6 +101,7 @@ if(NOT latvox_sanitized)
   endforeach()
   latvox_add_system_test(deploy.gateway "${latvox_python};deploy/gateway_test.py")
   latvox_add_system_test(deploy.gateway_page "${latvox_python};deploy/gateway_page_test.py")
+  latvox_add_system_test(deploy.languages "${latvox_python};deploy/languages_test.py")
   latvox_add_system_test(deploy.haproxy "${latvox_python};deploy/haproxy_test.py")
   latvox_add_system_test(deploy.strangers "${latvox_python};deploy/strangers_test.py")
   # The first of these makes the image that the others run. Networks of containers share one name server.

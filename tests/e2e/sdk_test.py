@@ -110,6 +110,9 @@ class Sdk(TlsCase):
                 summary = self.voxelize(octahedron, "--resolution", 90, "--server", latvoxd.address)
                 self.assertEqual(self.output("own_mesh", latvoxd.address, 90),
                                  f"{summary['voxels']} voxels, digest {summary['digest']}\n")
+            with self.subTest("tetrahedron"):
+                page = (ROOT / "client/docs/languages.md").read_text()
+                self.assertIn(f"```text\n{self.output('tetrahedron', latvoxd.address)}```\n", page)
             with self.subTest("shards"):
                 voxels = whole()["voxels"]
                 self.assertEqual(self.output("shards", latvoxd.address, self.mesh, 200, 5), f"{voxels} voxels in 5 parts\n")
