@@ -112,7 +112,7 @@ class Sdk(TlsCase):
                                  f"{summary['voxels']} voxels, digest {summary['digest']}\n")
             with self.subTest("tetrahedron"):
                 page = (ROOT / "client/docs/languages.md").read_text()
-                self.assertIn(f"```text\n{self.output('tetrahedron', latvoxd.address)}```\n", page)
+                self.assertIn(f"```\n{self.output('tetrahedron', latvoxd.address)}```\n", page)
             with self.subTest("shards"):
                 voxels = whole()["voxels"]
                 self.assertEqual(self.output("shards", latvoxd.address, self.mesh, 200, 5), f"{voxels} voxels in 5 parts\n")
