@@ -160,6 +160,14 @@ class Deploy(Case):
         self.assertEqual([reason for reason in reasons if found.get(f'latvox_rejections_total{{reason="{reason}"}}') != 0], [])
         self.assertEqual(found['latvox_requests_total{code="INTERNAL",method="PutMesh"}'], 0)
 
+    def test_they_show_every_metric_that_operators_are_told_to_look_at(self):
+        rows = re.findall(r"^\| (`latvox_.*?) \|", (ROOT / "server/docs/operations.md").read_text(), re.M)
+        told = set(re.findall(r"`(latvox_\w+)`", " ".join(rows)))
+        self.assertGreater(len(told), 10)
+        named = set().union(*map(self.metrics_of, self.expressions()))
+        histograms = {name.removesuffix("_bucket") for name in named}
+        self.assertEqual(told - named - histograms, set())
+
     def test_the_dashboards_panels_have_places_of_their_own(self):
         taken, ids = set(), [panel["id"] for panel in DASHBOARD["panels"]]
         self.assertEqual(len(ids), len(set(ids)))

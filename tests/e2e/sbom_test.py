@@ -67,8 +67,21 @@ class Sbom(Case):
         for path in read:
             self.assertTrue(kept & {str(place) for place in [pathlib.Path(path), *pathlib.Path(path).parents]}, path)
 
+    def test_the_gateways_packages_are_those_that_it_pins(self):
+        done = sbom("--gateway")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        document = json.loads(done.stdout)
+        listed = {package["name"]: package for package in document["packages"]}
+        wanted = json.loads((ROOT / "deploy/gateway/package.json").read_text())["dependencies"]
+        self.assertEqual({name: package["versionInfo"] for name, package in listed.items() if name != "latvox"}, wanted)
+        self.assertEqual({relation["relationshipType"] for relation in document["relationships"]}, {"DESCRIBES", "CONTAINS"})
+        protobuf = listed["@bufbuild/protobuf"]
+        self.assertEqual(protobuf["licenseDeclared"], "(Apache-2.0 AND BSD-3-Clause)")
+        self.assertRegex(protobuf["externalRefs"][0]["referenceLocator"], r"^pkg:npm/%40bufbuild/protobuf@\d")
+
     def test_bad_words_are_refused(self):
         for words, says in (((), "the following arguments are required: programs"), (("nowhere",), "nowhere: no such file"),
+                            (("--gateway", PROGRAMS[0]), "--gateway: takes neither programs nor --static"),
                             (("--static", "x", PROGRAMS[0]), "--static: x is not NAME=VERSION=LICENSE")):
             done = sbom(*words)
             self.assertEqual(done.returncode, 2)
