@@ -12,6 +12,7 @@
 #include "client/grid/field_forms.h"
 #include "client/grid/grid_file.h"
 #include "client/grid/grid_metadata.h"
+#include "client/grid/nano_file.h"
 #include "client/grid/openvdb_trees.h"
 #include "client/grid/request_metadata.h"
 #include "client/grid/warning_metadata.h"
@@ -68,13 +69,27 @@ void DistanceGrid::SetCertificate(const Certificate& certificate) { Describe(cer
 
 void DistanceGrid::SetWarnings(const std::vector<Warning>& warnings) { DescribeWarnings(warnings, *content_->grid); }
 
-absl::Status DistanceGrid::Write(const std::string& path) try {
-  FillInside(*content_->grid);
-  return WriteGridFile({content_->grid}, path);
+namespace {
+
+// Fills the inside, then calls write(grids).
+template <class Write>
+absl::Status WriteFilled(const openvdb::FloatGrid::Ptr& grid, const std::string& path, const Write& write) try {
+  FillInside(*grid);
+  return write(openvdb::GridCPtrVec{grid});
 } catch (const std::bad_alloc&) {
   return absl::ResourceExhaustedError(absl::StrCat(path, ": not enough memory to fill the inside"));
 } catch (const std::exception& error) {
   return absl::UnknownError(absl::StrCat(path, ": the inside cannot be filled (", error.what(), ")"));
+}
+
+}  // namespace
+
+absl::Status DistanceGrid::Write(const std::string& path) {
+  return WriteFilled(content_->grid, path, [&](const auto& grids) { return WriteGridFile(grids, path); });
+}
+
+absl::Status DistanceGrid::WriteNano(const std::string& path) {
+  return WriteFilled(content_->grid, path, [&](const auto& grids) { return WriteNanoFile(grids, path); });
 }
 
 }  // namespace latvox::client

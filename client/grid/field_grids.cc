@@ -7,6 +7,7 @@
 #include "client/grid/grid_file.h"
 #include "client/grid/grid_metadata.h"
 #include "client/grid/names_metadata.h"
+#include "client/grid/nano_file.h"
 #include "client/grid/request_metadata.h"
 #include "client/grid/warning_metadata.h"
 #include "latvox/grid/openvdb_grid.h"
@@ -18,6 +19,12 @@ struct FieldGrids::Content {
   VoxelGrid voxels;
   std::vector<Field> fields;
   std::vector<openvdb::GridBase::Ptr> grids;  // of the fields
+
+  openvdb::GridCPtrVec All() {
+    openvdb::GridCPtrVec all{voxels.content().grid};
+    all.insert(all.end(), grids.begin(), grids.end());
+    return all;
+  }
 };
 
 FieldGrids::FieldGrids(const GridTransform& transform, const std::vector<Field>& fields)
@@ -63,10 +70,8 @@ void FieldGrids::SetWarnings(const std::vector<Warning>& warnings) {
   for (const openvdb::GridBase::Ptr& grid : content_->grids) DescribeWarnings(warnings, *grid);
 }
 
-absl::Status FieldGrids::Write(const std::string& path) {
-  openvdb::GridCPtrVec grids{content_->voxels.content().grid};
-  grids.insert(grids.end(), content_->grids.begin(), content_->grids.end());
-  return WriteGridFile(grids, path);
-}
+absl::Status FieldGrids::Write(const std::string& path) { return WriteGridFile(content_->All(), path); }
+
+absl::Status FieldGrids::WriteNano(const std::string& path) const { return WriteNanoFile(content_->All(), path); }
 
 }  // namespace latvox::client

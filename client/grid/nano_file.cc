@@ -37,14 +37,35 @@ std::string TextOf(const openvdb::MetaMap& metadata) {
 }
 
 #if LATVOX_NANOVDB_OF_OPENVDB_12
-nanovdb::GridHandle<> Converted(const openvdb::BoolGrid& grid) { return nanovdb::tools::createNanoGrid(grid); }
+template <class Grid>
+nanovdb::GridHandle<> ConvertedAs(const Grid& grid) {
+  return nanovdb::tools::createNanoGrid(grid);
+}
 void UpdateChecksum(nanovdb::GridHandle<>& handle) {
   nanovdb::tools::updateChecksum(reinterpret_cast<nanovdb::GridData*>(handle.data()));
 }
 #else
-nanovdb::GridHandle<> Converted(const openvdb::BoolGrid& grid) { return nanovdb::openToNanoVDB(grid); }
-void UpdateChecksum(nanovdb::GridHandle<>& handle) { nanovdb::updateChecksum(*handle.grid<bool>()); }
+template <class Grid>
+nanovdb::GridHandle<> ConvertedAs(const Grid& grid) {
+  return nanovdb::openToNanoVDB(grid);
+}
+void UpdateChecksum(nanovdb::GridHandle<>& handle) {
+  const auto update = [](auto* grid) {  // null if the grid is of another type
+    if (grid != nullptr) nanovdb::updateChecksum(*grid);
+  };
+  update(handle.grid<bool>());
+  update(handle.grid<float>());
+  update(handle.grid<int32_t>());
+  update(handle.grid<nanovdb::Vec3f>());
+}
 #endif
+
+nanovdb::GridHandle<> Converted(const openvdb::GridBase& grid) {
+  using Grids = openvdb::TypeList<openvdb::BoolGrid, openvdb::FloatGrid, openvdb::Int32Grid, openvdb::Vec3SGrid>;
+  nanovdb::GridHandle<> handle;
+  grid.apply<Grids>([&handle](const auto& typed) { handle = ConvertedAs(typed); });
+  return handle;
+}
 
 // NanoVDB's converter drops metadata, but its format has blind data, after the nodes, for other content.
 nanovdb::GridHandle<> WithText(const nanovdb::GridHandle<>& plain, const std::string& text) {
@@ -73,18 +94,19 @@ nanovdb::GridHandle<> WithText(const nanovdb::GridHandle<>& plain, const std::st
 
 }  // namespace
 
-absl::Status WriteNanoFile(const openvdb::BoolGrid& grid, const std::string& path) {
+absl::Status WriteNanoFile(const openvdb::GridCPtrVec& grids, const std::string& path) {
   const auto cannot = [&path](const char* why) {
     return absl::UnknownError(absl::StrCat(path, ": cannot be written (", why, ")"));
   };
   try {
-    const auto handle = WithText(Converted(grid), TextOf(grid));
     std::ofstream file;
     // NanoVDB does not check whether its stream took everything.
     file.exceptions(std::ios::failbit | std::ios::badbit);
     errno = 0;
     file.open(path, std::ios::binary | std::ios::trunc);
-    nanovdb::io::writeGrid(file, handle, nanovdb::io::Codec::NONE);
+    for (const openvdb::GridBase::ConstPtr& grid : grids) {
+      nanovdb::io::writeGrid(file, WithText(Converted(*grid), TextOf(*grid)), nanovdb::io::Codec::NONE);
+    }
     file.close();
     return absl::OkStatus();
   } catch (const std::ios_base::failure&) {

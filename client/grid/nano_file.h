@@ -9,10 +9,12 @@
 
 namespace latvox::client {
 
-// Writes the grid with NanoVDB's own converter, uncompressed, to `path`, replacing an existing file; not atomic. Its
-// metadata latvox_... become one blind data "latvox", of unknown class and type: text, with a line "name = value" each.
-// Memory: twice the file's size. Errors: UNKNOWN, with the path and the message of NanoVDB or the system.
-absl::Status WriteNanoFile(const openvdb::BoolGrid& grid, const std::string& path);
+// Writes the grids with NanoVDB's own converter, uncompressed, to `path`, replacing an existing file; not atomic. Each
+// grid is a segment of the file. Its metadata latvox_... become one blind data "latvox", of unknown class and type:
+// text, with a line "name = value" each. Memory: twice the size of the largest grid. Errors: UNKNOWN, with the path and
+// the message of NanoVDB or the system.
+//   grids   of bool, float, int32 or three floats
+absl::Status WriteNanoFile(const openvdb::GridCPtrVec& grids, const std::string& path);
 
 }  // namespace latvox::client
 

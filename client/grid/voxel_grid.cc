@@ -90,7 +90,7 @@ uint64_t VoxelGrid::CountActiveVoxels() const { return content_->grid->activeVox
 
 absl::Status VoxelGrid::Write(const std::string& path) const { return WriteGridFile({content_->grid}, path); }
 
-absl::Status VoxelGrid::WriteNano(const std::string& path) const { return WriteNanoFile(*content_->grid, path); }
+absl::Status VoxelGrid::WriteNano(const std::string& path) const { return WriteNanoFile({content_->grid}, path); }
 
 absl::StatusOr<GridFileInfo> ReadGridFileInfo(std::istream& in, const std::string& path) {
   return WithArchive(in, path, [&](GridArchive& archive) -> absl::StatusOr<GridFileInfo> {

@@ -304,7 +304,7 @@ class Fields(Case):
             (2, "o.glb cannot hold part", [plain, "--fields", "part", "-o", self.dir / "o.glb"]),
             (2, "--npy: dense", [plain, "--fields", "part,distance", "--npy", "dense", "-o", self.dir / "o.npy"]),
             (3, "sent as it is", [self.dir / "plain.drc", plain, "--fields", "color"]),
-            (2, "o.nvdb cannot hold color", [plain, "--fields", "color", "-o", self.dir / "o.nvdb"]),
+            (2, "o.binvox cannot hold color", [plain, "--fields", "color", "-o", self.dir / "o.binvox"]),
         ):
             with self.subTest(says):
                 done = latvox("voxelize", *words, "--resolution", "20", "-o", self.dir / "o.csv")

@@ -33,6 +33,12 @@ def grid_points(path):
     return points, grid
 
 
+def active_values(path, name):
+    """Returns lattice point -> value of a grid of a .vdb file."""
+    grid = pyopenvdb.read(str(path), name)
+    return {item.min: item.value for item in grid.citerOnValues()}
+
+
 def nano_map(path):
     """Returns the matrix and shift from index to world of a .nvdb file's first grid: GridData's Map in NanoVDB.h."""
     data = path.read_bytes()
@@ -153,6 +159,27 @@ class Formats(Case):
         info = latvox("info", self.dir / "a.vdb").stdout.splitlines()
         self.assertEqual(text.decode().splitlines(), [line for line in info if line.startswith("latvox_")])
         self.assertIn(f"latvox_digest = {summary['digest']}\n", text.decode())
+
+    def test_nanovdb_holds_fields_and_bands(self):
+        """NanoVDB's own converter gives OpenVDB's grids, with the values of our .vdb."""
+        for options, grids, floats in (
+            ([*BCC, "--fields", "triangle,distance,normal"], ["voxels", "triangle", "distance", "normal"], ["distance", "normal"]),
+            (["--resolution", "32", "--band", "3v", "--signed"], ["distance"], ["distance"]),
+        ):
+            with self.subTest(grids=grids):
+                files = [word for name in ("a.nvdb", "a.vdb") for word in ("-o", self.dir / name)]
+                summary = json.loads(latvox("voxelize", BUNNY, *files, "--json", *options).stdout)
+                self.assertIn("pass", run("nanovdb_validate", "-v", self.dir / "a.nvdb").lower())
+                listed = run("nanovdb_print", self.dir / "a.nvdb")
+                for grid in grids:
+                    self.assertRegex(listed, rf"\b{grid}\b.*\b{summary['voxels']}\b")
+                run("nanovdb_convert", "-f", self.dir / "a.nvdb", self.dir / "back.vdb")
+                for grid in floats:  # pyopenvdb reads no grids of int32
+                    wanted, found = (active_values(self.dir / name, grid) for name in ("a.vdb", "back.vdb"))
+                    self.assertEqual(len(wanted), summary["voxels"])
+                    self.assertEqual(found, wanted)
+                level_set = pyopenvdb.readGridMetadata(str(self.dir / "back.vdb"), "distance")["class"] == "level set"
+                self.assertEqual(level_set, grids == ["distance"])
 
     def test_numpy_reads_coordinates_and_boxes(self):
         for options in (BCC, CUBES, [*BCC, "--region", "3,4,5,17,30,9"]):

@@ -67,7 +67,7 @@ class Fraction(Case):
             ("fraction:2,fraction:4", [], 2, '"fraction" is given twice'),
             ("fraction:2", ["-o", "a.vox"], 2, "--fields: a.vox cannot hold fraction"),
             ("fraction:2,part", ["-o", "a.vox"], 2, "--fields: a.vox cannot hold fraction,part"),
-            ("fraction:2", ["-o", "a.nvdb"], 2, "--fields: a.nvdb cannot hold fraction"),
+            ("fraction:2", ["-o", "a.binvox"], 2, "--fields: a.binvox cannot hold fraction"),
             ("fraction:2", ["--set", "solid", "--force-open"], 2,
              "fields fraction: not together with solid.force_open true, which fills a mesh that is not closed"),
         ):  # fmt: skip

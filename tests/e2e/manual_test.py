@@ -205,7 +205,8 @@ class Reference(Case):
 
     def test_lines_of_text_are_short(self):
         text = re.sub(r"^```.*?^```$", "", latvox("man", "markdown").stdout, flags=re.M | re.S)
-        self.assertEqual([line for line in text.splitlines() if len(line) > 120], [])
+        breakable = [line for line in text.splitlines() if not re.fullmatch(r"- `[^`]*`:", line)]
+        self.assertEqual([line for line in breakable if len(line) > 120], [])
 
 
 LATTICES = {"cartesian", "bcc", "fcc", "hexagonal"}

@@ -49,7 +49,7 @@ VALUES = {
     "weld_report": (True, {}),
 }
 OF_FILES = {"out", "npy", "dims", "pad", "align"}  # tested below
-OF_COMMAND_LINE = {"help", "quiet", "json", "output_format"}
+OF_COMMAND_LINE = {"help", "quiet", "json", "output_format", "allow_http"}
 
 
 def words(options):

@@ -36,8 +36,13 @@ class GridOutput final : public Output {
  public:
   using NewGrid = std::function<Vdb::NewGrid(const Vdb&, const GridTransform&)>;
 
-  GridOutput(std::unique_ptr<AtomicFile> file, VoxelizeRequest request, MeshNote note, NewGrid new_grid)
-      : file_(std::move(file)), request_(std::move(request)), note_(std::move(note)), new_grid_(std::move(new_grid)) {}
+  GridOutput(std::unique_ptr<AtomicFile> file, VdbFormat format, VoxelizeRequest request, MeshNote note,
+             NewGrid new_grid)
+      : file_(std::move(file)),
+        format_(format),
+        request_(std::move(request)),
+        note_(std::move(note)),
+        new_grid_(std::move(new_grid)) {}
 
   void SetNames(const CarriedNames& names) override { names_ = names; }
   absl::Status Begin(const Accepted& accepted) override {
@@ -54,7 +59,7 @@ class GridOutput final : public Output {
   absl::Status Finish(const Summary& summary) override {
     if (!note_.quantization) note_.quantization = static_cast<int>(summary.certificate.quantization_bits);
     grid_->Describe(request_, note_, names_, summary);
-    if (auto status = grid_->Write(file_->temporary()); !status.ok()) return file_->Named(status);
+    if (auto status = grid_->Write(file_->temporary(), format_); !status.ok()) return file_->Named(status);
     return file_->Sync();
   }
   absl::Status Commit() override { return file_->Commit(); }
@@ -68,6 +73,7 @@ class GridOutput final : public Output {
   }
 
   std::unique_ptr<AtomicFile> file_;
+  const VdbFormat format_;
   VoxelizeRequest request_;
   MeshNote note_;
   const NewGrid new_grid_;
@@ -75,12 +81,7 @@ class GridOutput final : public Output {
   std::unique_ptr<VdbGrid> grid_;
 };
 
-std::unique_ptr<Output> NewNvdbOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request,
-                                      const OutputOptions& options) {
-  return std::make_unique<GridOutput>(std::move(file), request, options.note, &Vdb::NewNanoGrid);
-}
-
-// Returns what a grid of a .vdb file is made by. A band with distances alone is a level set, as far as it is one.
+// Returns what makes the grid of a file. A band with distances alone is a level set, as far as it is one.
 GridOutput::NewGrid NewGridFor(const VoxelizeRequest& request) {
   const std::vector<Field>& fields = request.fields;
   if (fields.empty()) return &Vdb::NewVoxelGrid;
@@ -95,9 +96,10 @@ GridOutput::NewGrid NewGridFor(const VoxelizeRequest& request) {
   };
 }
 
+template <VdbFormat format>
 std::unique_ptr<Output> NewVdbOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request,
                                      const OutputOptions& options) {
-  return std::make_unique<GridOutput>(std::move(file), request, options.note, NewGridFor(request));
+  return std::make_unique<GridOutput>(std::move(file), format, request, options.note, NewGridFor(request));
 }
 
 std::unique_ptr<Output> NewPngOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request,
@@ -114,7 +116,7 @@ std::unique_ptr<Output> NewTable(std::unique_ptr<AtomicFile> file, const Voxeliz
 std::unique_ptr<Output> NewHtmlOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request,
                                       const OutputOptions& options) {
   const auto open = [request, options](std::unique_ptr<AtomicFile> vdb) {
-    return NewVdbOutput(std::move(vdb), request, options);
+    return NewVdbOutput<VdbFormat::kOpenVdb>(std::move(vdb), request, options);
   };
   return NewPageOutput(std::move(file), options, open);
 }
@@ -193,8 +195,8 @@ constexpr char kLinksCsv[] = ".links.csv", kLinksNpz[] = ".links.npz", kCellsVtu
 constexpr char kCsv[] = ".csv", kNpy[] = ".npy", kPly[] = ".ply", kMhd[] = ".mhd", kNiiGz[] = ".nii.gz";
 
 constexpr Format kFormats[] = {
-    {".vdb", "OpenVDB", NewVdbOutput, Holds::kFixed, /*is_placed=*/true, /*by_openvdb=*/true},
-    {".nvdb", "NanoVDB", NewNvdbOutput, Holds::kNone, /*is_placed=*/true, /*by_openvdb=*/true},
+    {".vdb", "OpenVDB", NewVdbOutput<VdbFormat::kOpenVdb>, Holds::kFixed, /*is_placed=*/true, /*by_openvdb=*/true},
+    {".nvdb", "NanoVDB", NewVdbOutput<VdbFormat::kNanoVdb>, Holds::kFixed, /*is_placed=*/true, /*by_openvdb=*/true},
     {kCsv, "table", NewTable<kCsv>, Holds::kAll},
     {kNpy, "NumPy", NewNpyOutput, Holds::kAll, /*is_placed=*/false},
     {".npz", "NumPy, dense and placed", NewArchiveOutput, Holds::kAll},

@@ -98,7 +98,8 @@ std::optional<Warning> WarningOfPlace(const std::vector<std::string>& paths);
 //   .nrrd, .mha, .mhd, .nii, .nii.gz   images in space, see client/tool/output/image_output.h
 // A request with fields needs one of ExtensionsFor: fields of links fit .csv, .npy, .npz, .ply and .vtu alone. Columns
 // are those of client/tool/output/field_columns.h:
-//   .vdb   one more grid for each, see latvox/grid/field_grids.h; a band with distances alone, see distance_grid.h
+//   .vdb, .nvdb   one more grid for each, see latvox/grid/field_grids.h; a band with distances alone, see
+//          distance_grid.h
 //   .csv   further columns, floats with 9 significant digits; part_name, material_name, if there are names
 //   .npy   structured array: ijk, three int32, and one member for each field, with its name; dense: one field
 //   .npz   one more array for each, with its name; for fields of links, of the voxels alone, with ijk and neighbors

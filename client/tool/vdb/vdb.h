@@ -19,6 +19,8 @@
 
 namespace latvox::client {
 
+enum class VdbFormat { kOpenVdb, kNanoVdb };  // .vdb, .nvdb
+
 // A VoxelGrid, DistanceGrid or FieldGrids that is being filled. Not thread-safe.
 class VdbGrid {
  public:
@@ -29,8 +31,8 @@ class VdbGrid {
   virtual void Describe(const VoxelizeRequest& request, const MeshNote& note, const CarriedNames& names,
                         const Summary& summary) = 0;
 
-  // Writes the file to `path`. Errors as those of the grid's own function.
-  virtual absl::Status Write(const std::string& path) = 0;
+  // Writes the file to `path`. Errors as those of the grid's own function, Write or WriteNano.
+  virtual absl::Status Write(const std::string& path, VdbFormat format) = 0;
 };
 
 // How far OpenVDB is loaded: not at all; in a thread that nobody has waited for; or as far as it can be.
@@ -51,10 +53,9 @@ class Vdb {
   // In the state kLoading, a process must end by _exit: OpenVDB's libraries must not start while they end.
   static VdbState State();
 
-  // Return a grid for a .vdb file, or with NewNanoGrid for a .nvdb file. Errors: those of CheckGridTransform.
+  // Return an empty grid. Errors: those of CheckGridTransform.
   using NewGrid = absl::StatusOr<std::unique_ptr<VdbGrid>>;
   virtual NewGrid NewVoxelGrid(const GridTransform& transform) const = 0;
-  virtual NewGrid NewNanoGrid(const GridTransform& transform) const = 0;
   virtual NewGrid NewDistanceGrid(const GridTransform& transform, double width, bool is_signed, bool whole) const = 0;
   virtual NewGrid NewFieldGrids(const GridTransform& transform, const std::vector<Field>& fields) const = 0;
 

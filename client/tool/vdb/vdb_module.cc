@@ -19,9 +19,7 @@ namespace {
 template <class Grid>
 class AnyGrid final : public VdbGrid {
  public:
-  using WriteGrid = std::function<absl::Status(Grid&, const std::string& path)>;
-
-  AnyGrid(Grid grid, WriteGrid write) : grid_(std::move(grid)), write_(std::move(write)) {}
+  explicit AnyGrid(Grid grid) : grid_(std::move(grid)) {}
 
   absl::Status Add(const BrickBatch& batch) override { return grid_.Add(batch); }
   void Describe(const VoxelizeRequest& request, const MeshNote& note, const CarriedNames& names,
@@ -31,33 +29,29 @@ class AnyGrid final : public VdbGrid {
     if constexpr (std::is_same_v<Grid, FieldGrids>) grid_.SetNames(names);
     grid_.SetWarnings(summary.warnings);
   }
-  absl::Status Write(const std::string& path) override { return write_(grid_, path); }
+  absl::Status Write(const std::string& path, VdbFormat format) override {
+    return format == VdbFormat::kNanoVdb ? grid_.WriteNano(path) : grid_.Write(path);
+  }
 
  private:
   Grid grid_;
-  const WriteGrid write_;
 };
 
-// Returns the grid Grid(transform, facts...), which `write` writes.
-template <class Grid, class Write, class... Facts>
-Vdb::NewGrid New(Write write, const GridTransform& transform, const Facts&... facts) {
+// Returns the grid Grid(transform, facts...).
+template <class Grid, class... Facts>
+Vdb::NewGrid New(const GridTransform& transform, const Facts&... facts) {
   if (absl::Status status = CheckGridTransform(transform); !status.ok()) return status;
-  return std::make_unique<AnyGrid<Grid>>(Grid(transform, facts...), write);
+  return std::make_unique<AnyGrid<Grid>>(Grid(transform, facts...));
 }
 
 class Module final : public Vdb {
  public:
-  NewGrid NewVoxelGrid(const GridTransform& transform) const override {
-    return New<VoxelGrid>(&VoxelGrid::Write, transform);
-  }
-  NewGrid NewNanoGrid(const GridTransform& transform) const override {
-    return New<VoxelGrid>(&VoxelGrid::WriteNano, transform);
-  }
+  NewGrid NewVoxelGrid(const GridTransform& transform) const override { return New<VoxelGrid>(transform); }
   NewGrid NewDistanceGrid(const GridTransform& transform, double width, bool is_signed, bool whole) const override {
-    return New<DistanceGrid>(&DistanceGrid::Write, transform, width, is_signed, whole);
+    return New<DistanceGrid>(transform, width, is_signed, whole);
   }
   NewGrid NewFieldGrids(const GridTransform& transform, const std::vector<Field>& fields) const override {
-    return New<FieldGrids>(&FieldGrids::Write, transform, fields);
+    return New<FieldGrids>(transform, fields);
   }
   absl::StatusOr<GridFileInfo> ReadInfo(std::istream& in, const std::string& path) const override {
     return ReadGridFileInfo(in, path);

@@ -49,6 +49,9 @@ class LATVOX_EXPORT DistanceGrid {
   // message.
   absl::Status Write(const std::string& path);
 
+  // Writes a .nvdb file, with the metadata as text; see VoxelGrid::WriteNano.
+  absl::Status WriteNano(const std::string& path);
+
  private:
   struct Content;
   std::unique_ptr<Content> content_;

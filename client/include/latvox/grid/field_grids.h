@@ -56,6 +56,9 @@ class LATVOX_EXPORT FieldGrids {
   // and OpenVDB's message.
   absl::Status Write(const std::string& path);
 
+  // Writes a .nvdb file of all grids, with the metadata as text; see VoxelGrid::WriteNano.
+  absl::Status WriteNano(const std::string& path) const;
+
  private:
   struct Content;
   std::unique_ptr<Content> content_;
