@@ -65,7 +65,7 @@ TEST(BoxCells, AllWaysGiveTheVoxelsOfEachTriangleRowByRow) {
         if (grain * 2 > extent) continue;
         const oracle::Mesh mesh = RandomTriangles(grain, extent, count, random);
         const std::set<Int3> expected = RowByRow(mesh, lattice);
-        WithEachSimd([&] {
+        WithEachSimd([&, extent = extent] {
           const Result result = Voxelize(ToWorld(mesh, lattice), Unscaled(lattice), {.set = SupercoverSurface{}});
           ASSERT_EQ(VoxelsOf(result), expected) << "extent " << extent << " grain " << grain;
         });
