@@ -89,7 +89,7 @@ class Release(unittest.TestCase):
     def test_a_release_has_all_files_and_their_checksums(self):
         text = self.made("0.1.0")
         folder = self.repository / "build/releases/0.1.0"
-        names = {"latvox-0.1.0.tar.gz", "latvox-0.1.0-docs.tar.gz", "latvox-0.1.0.spdx.json", "latvox-0.1.0.abi.tar.gz",
+        names = {"latvox-0.1.0.tar.gz", "latvox-0.1.0-docs.tar.gz", "latvox-0.1.0.spdx.json", "latvox-gateway-0.1.0.spdx.json", "latvox-0.1.0.abi.tar.gz",
                  "latvox_own.deb"}  # fmt: skip
         sums = dict(reversed(line.split("  ")) for line in (folder / "SHA256SUMS").read_text().splitlines())
         self.assertLessEqual(names, sums.keys())
