@@ -19,7 +19,7 @@ STAGES = {
     "upload": ("upload", "medium bunny-256-fcc", 30, 60),
     "decode": ("decode", "huge bunny-x16-512-cartesian", 20, 60),
     "voxelize": ("voxelize", "huge bunny-32768-cartesian", 100, 400),
-    "voxelize a tangle": ("voxelize", "huge tangle-64-bcc", 500, 500),
+    "voxelize a tangle": ("voxelize", "huge tangle-128-bcc", 500, 500),
     "stream": ("stream", "huge bunny-8192-cartesian", 800, 1000),
 }
 

@@ -33,7 +33,7 @@ TABLE = {
     "huge bunny-8192-cartesian": ("bunny", "cartesian", 8192, 2, 0),
     "huge bunny-32768-cartesian": ("bunny", "cartesian", 32768, 2, None),
     "huge bunny-x16-512-cartesian": ("bunny-x16", "cartesian", 512, 0, 0),
-    "huge tangle-64-bcc": ("tangle", "bcc", 64, 0, None),
+    "huge tangle-128-bcc": ("tangle", "bcc", 128, 0, None),
 }
 
 
