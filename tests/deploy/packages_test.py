@@ -29,7 +29,7 @@ FILES = {
 }  # fmt: skip
 METRICS = "import urllib.request as r; print(r.urlopen('http://127.0.0.1:9464/metrics').read().decode())"
 # What apt, dpkg, ldconfig and systemd keep for themselves after a package is gone.
-THEIRS = r"/var/(cache|log|lib/(apt|dbus|dpkg|systemd))/|/etc/(machine-id|ld\.so\.cache|\.pwd\.lock)|.*/__pycache__"
+THEIRS = r"/var/(cache|log|lib/(apt|dbus|dpkg|systemd))/|/etc/(machine-id|ld\.so\.cache|\.pwd\.lock|hosts)|/(etc|var)/\.updated|.*/__pycache__"
 
 
 def package(name):
@@ -157,7 +157,7 @@ class Installed(InRoot):
 
     def it_drains(self):
         self.drop_in("metrics.conf", "[Service]\nEnvironment=LATVOX_METRICS_LISTEN=127.0.0.1:9464\n")
-        job = f"latvox voxelize {BUNNY} --resolution 1500 --server {ADDRESS} -o /tmp/b.png --json"
+        job = f"latvox voxelize {BUNNY} --resolution 10000 --server {ADDRESS} --json"
         client = subprocess.Popen([*self.root.inside, "bash", "-c", job], stdout=subprocess.PIPE, text=True)
         self.addCleanup(client.stdout.close)
         self.addCleanup(client.wait)
