@@ -11,8 +11,6 @@
 namespace latvox::client {
 namespace {
 
-Affine Translation(double x, double y) { return {1, 0, 0, 1, x, y}; }
-
 double Radians(double degrees) { return degrees * std::numbers::pi / 180; }
 
 // std::cos is not 0 at the double nearest to a right angle.
@@ -42,6 +40,8 @@ std::optional<Affine> TransformOf(absl::string_view name, const std::vector<doub
 }
 
 }  // namespace
+
+Affine Translation(double x, double y) { return {1, 0, 0, 1, x, y}; }
 
 Affine Compose(const Affine& outer, const Affine& inner) {
   const auto linear = [&](double x, double y) { return Vec2d{outer.a * x + outer.c * y, outer.b * x + outer.d * y}; };

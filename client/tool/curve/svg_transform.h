@@ -17,6 +17,8 @@ struct Affine {
   Vec2d operator()(const Vec2d& p) const { return {a * p[0] + c * p[1] + e, b * p[0] + d * p[1] + f}; }
 };
 
+Affine Translation(double x, double y);
+
 // Returns the transform that applies `inner` first, then `outer`.
 Affine Compose(const Affine& outer, const Affine& inner);
 
