@@ -100,7 +100,7 @@ void CoverScan::AddRows(const TileContext& context, const Triangle& triangle, Bl
   });
 }
 
-// Adds the voxels of pairs whose cell meets the triangle. What one batch finds spares work in later ones.
+// Adds each voxel whose cell meets the triangle of its pair. Later batches skip voxels that earlier ones have found.
 void CoverScan::AddMeeting(const TileContext& context, std::span<const VoxelTriangle> pairs, bool is_near,
                            BlockVoxels& voxels) {
   constexpr size_t kBatch = 256;

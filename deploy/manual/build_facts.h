@@ -1,4 +1,4 @@
-// What a program was built from, as --version and GetLimits tell it.
+// The commit and the libraries of a program, as --version and GetLimits tell them.
 #ifndef LATVOX_MANUAL_BUILD_FACTS_H_
 #define LATVOX_MANUAL_BUILD_FACTS_H_
 

@@ -27,8 +27,8 @@ struct ObjectFacts {
 // Checks that the calls of an object can begin: its scheme is allowed, and s3 has credentials and an endpoint.
 absl::Status CheckAccess(const RemoteName& remote, const TransferOptions& options);
 
-// Writes the object to a new file. What arrives must have the length that the answer states, and the checksum, if it
-// has one: SHA-256 (x-amz-checksum-sha256), or from S3 the ETag that is an MD5.
+// Writes the object to a new file. The bytes must have the length that the answer states. If the answer has a checksum,
+// they must have that, too: SHA-256 (x-amz-checksum-sha256), or from S3 an ETag that is an MD5.
 // Errors: those of Call; FAILED_PRECONDITION: the file cannot be written.
 absl::Status Fetch(const RemoteName& remote, const std::string& path, const TransferOptions& options);
 
