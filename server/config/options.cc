@@ -94,9 +94,10 @@ Rows AccessRows(AccessOptions& access) {
       File("--tls-client-ca", access.tls.client_ca,
            "Roots (PEM); each client must show a certificate that leads to one of them"),
       Switch("--insecure", access.insecure, "Serve other machines in plain text"),
-      Switch("--behind-proxy", access.behind_proxy,
-             "Serve other machines although this build has no defense against hostile connections, because they reach "
-             "it only through a proxy such as haproxy; other builds do not need it"),
+      Switch(
+          "--behind-proxy", access.behind_proxy,
+          "Others reach this server only through a proxy such as haproxy, which limits each client by itself. So one "
+          "address may send calls without the limit of a host, and a build without a guard may serve other machines"),
       File("--token-file", access.token_file,
            "File of bearer tokens, one per line: NAME TOKEN [max-jobs=N] [max-job-seconds=N] [max-mesh-bytes=N] "
            "[max-triangles=N]; "

@@ -24,10 +24,10 @@ std::atomic<Connections*> guarded = nullptr;
 
 }  // namespace
 
-GuardLimits DefaultGuardLimits(int cores, double files) {
+GuardLimits DefaultGuardLimits(int cores, double files, bool behind_proxy) {
   const double others = std::min(kOtherFiles, files / 2);
   return {.work_per_connection = kSecond / kConnectionsOfACore,
-          .work_per_host = kSecond * cores / kHostsOfAMachine,
+          .work_per_host = kSecond * cores / (behind_proxy ? 1 : kHostsOfAMachine),
           .connections = static_cast<size_t>(std::min(files - others, kMostConnections))};
 }
 

@@ -23,8 +23,9 @@ struct GuardLimits {
   size_t connections = 0;                           // in all; one host may have half of them
 };
 
-// Returns the limits for a machine with so many cores, and a process that may open so many files.
-GuardLimits DefaultGuardLimits(int cores, double files);
+// Returns the limits for a machine with so many cores, and a process that may open so many files. Behind a proxy, which
+// limits each client by itself, one host sends the calls of everybody, and may cause the work of the whole machine.
+GuardLimits DefaultGuardLimits(int cores, double files, bool behind_proxy);
 
 // Guards connections that are accepted from now on, until the process ends. Further calls change nothing. Thread-safe.
 void StartGuard(const GuardLimits& limits);

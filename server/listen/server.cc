@@ -281,7 +281,7 @@ absl::Status Server::Listen() {
   if (absl::Status status = access_.Open(options_.listen); !status.ok()) return status;
   if (absl::Status status = CheckAllExposed(options_); !status.ok()) return status;
   if (const std::string lack = LackOfDefense(); !lack.empty()) Log(LogLevel::kWarning, "no_guard", {{"reason", lack}});
-  StartGuard(DefaultGuardLimits(threads_, MaxOpenFiles()));
+  StartGuard(DefaultGuardLimits(threads_, MaxOpenFiles(), options_.access.behind_proxy));
   grpc::ServerBuilder builder;
   Configure(builder);
   builder.RegisterService(&service_);

@@ -221,6 +221,12 @@ TEST(Exposure, OfAServerThatLacksDefenseNeedsAProxyOrCertificates) {
   EXPECT_TRUE(CheckExposed("0.0.0.0:50151", "", false, false).ok());
 }
 
+TEST(GuardLimits, OfAHostAreAPartOfTheMachineAndAllOfItBehindAProxy) {
+  constexpr Work kSecond = 1'000'000'000;
+  EXPECT_EQ(DefaultGuardLimits(16, 1024, false).work_per_host, 2 * kSecond);
+  EXPECT_EQ(DefaultGuardLimits(16, 1024, true).work_per_host, 16 * kSecond);
+}
+
 TEST(GrpcVersion, HasTheFixOrNot) {
   for (const char* fixed : {"1.53.2", "1.54.3", "1.55.2", "1.56.0", "1.70.1", "2.0.0"})
     EXPECT_TRUE(HasFix(fixed)) << fixed;
