@@ -281,6 +281,13 @@ double EstimateLineCrossings(const TriangleMesh& mesh, const Grid& grid, StopSig
   });
 }
 
+// A visit of a band finds a distance.
+double EstimateMilliseconds(const VoxelRequest& request, uint64_t triangles, double visits) {
+  constexpr double kPerTriangle = 50e-6, kPerVisit = 15e-6, kPerVisitOfABand = 100e-6;
+  return kPerTriangle * static_cast<double>(triangles) +
+         (request.band() == nullptr ? kPerVisit : kPerVisitOfABand) * visits;
+}
+
 double EstimateVisits(const TriangleMesh& mesh, const MeshExtent& extent, const Grid& grid, const VoxelRequest& request,
                       StopSignal stop) {
   constexpr double kVisitsPerTriangle = 20, kVisitsAlongNeedle = 12;  // at 15 ns, the cost of a voxel otherwise

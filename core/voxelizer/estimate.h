@@ -2,6 +2,8 @@
 #ifndef LATVOX_CORE_VOXELIZER_ESTIMATE_H_
 #define LATVOX_CORE_VOXELIZER_ESTIMATE_H_
 
+#include <cstdint>
+
 #include "core/base/stop_signal.h"
 #include "core/lattice/grid.h"
 #include "core/mesh/mesh.h"
@@ -48,6 +50,9 @@ double EstimateVoxels(const TriangleMesh& mesh, const MeshExtent& extent, const 
 //   extent   the mesh's
 double EstimateVisits(const TriangleMesh& mesh, const MeshExtent& extent, const Grid& grid, const VoxelRequest& request,
                       StopSignal stop = {});
+
+// Estimates the milliseconds of a job on one core. `visits`: as EstimateVisits says, which counts the work of fields.
+double EstimateMilliseconds(const VoxelRequest& request, uint64_t triangles, double visits);
 
 // Estimates the number of tiles that a walk of the request finds walls in or near, whatever part it delivers; 0 without
 // a walk.

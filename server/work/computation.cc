@@ -25,13 +25,6 @@ constexpr auto kSlice = std::chrono::milliseconds(20);
 
 constexpr double kLongMilliseconds = 50;
 
-// Returns the milliseconds of a job on one core. A visit of a band finds a distance; fields need the nearest triangle.
-double EstimateMilliseconds(const VoxelRequest& request, uint64_t triangles, double visits) {
-  const double per_visit = request.band() == nullptr ? 15e-6 : 100e-6;
-  const double per_triangle = request.fields.empty() ? 50e-6 : 1e-3;
-  return static_cast<double>(triangles) * per_triangle + visits * per_visit;
-}
-
 bool LastsLong(const VoxelRequest& request, uint64_t triangles, double visits) {
   return EstimateMilliseconds(request, triangles, visits) > kLongMilliseconds;
 }

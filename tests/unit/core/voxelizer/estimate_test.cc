@@ -96,5 +96,16 @@ TEST(EstimateVisits, CountAllTrianglesOfAPart) {
   EXPECT_LE(EstimateVisits(sphere, ExtentOf(sphere), grid, {.part = {.region = box}}), 512);
 }
 
+TEST(EstimateMilliseconds, LeaveTheWorkOfFieldsToTheVisits) {
+  const auto milliseconds = [](const VoxelizeOptions& options) {
+    return EstimateMilliseconds(*MakeRequest(options), 1'000'000, 1'000'000);
+  };
+  const double plain = milliseconds({});
+  EXPECT_GT(plain, 50);
+  EXPECT_EQ(milliseconds({.fields = {Field::kTriangle}}), plain);
+  EXPECT_EQ(milliseconds({.fields = {Field::kFraction}, .fraction_n = 8}), plain);
+  EXPECT_GT(milliseconds({.set = Band{.width = 1}}), plain);  // each visit finds a distance
+}
+
 }  // namespace
 }  // namespace latvox
