@@ -11,9 +11,11 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <latch>
 #include <new>
 #include <string>
 #include <system_error>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 
@@ -25,6 +27,9 @@ constexpr size_t kProbeBytes = size_t{64} << 20;
 
 // Addresses for each arena of the heap. An arena may take 128 MiB for a moment.
 constexpr uint64_t kBytesOfArena = uint64_t{2} << 30;
+
+// Of a thread that only waits.
+constexpr size_t kSmallStack = size_t{64} << 10;
 
 bool CanMap(size_t bytes) {
   constexpr int kFlags = MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE;
@@ -90,6 +95,25 @@ uint64_t SpareStacks(uint64_t most) {
 absl::Status CheckAddresses(uint64_t bytes) {
   if (CanMap(bytes)) return absl::OkStatus();
   return NoMemory(absl::StrCat(": ", bytes / 1024, " KiB more are needed"));
+}
+
+absl::Status CheckThreads(int count) {
+  pthread_attr_t attributes;
+  if (pthread_attr_init(&attributes) != 0) return NoMemory();
+  pthread_attr_setstacksize(&attributes, kSmallStack);
+  std::latch counted(1);
+  const auto wait = [](void* latch) -> void* {
+    static_cast<std::latch*>(latch)->wait();
+    return nullptr;
+  };
+  std::vector<pthread_t> threads(static_cast<size_t>(count));
+  const auto end = std::ranges::find_if(
+      threads, [&](pthread_t& thread) { return pthread_create(&thread, &attributes, wait, &counted) != 0; });
+  counted.count_down();
+  std::for_each(threads.begin(), end, [](pthread_t thread) { pthread_join(thread, nullptr); });
+  pthread_attr_destroy(&attributes);
+  if (end == threads.end()) return absl::OkStatus();
+  return absl::ResourceExhaustedError(absl::StrCat(kNoThread, ": ", count, " more are needed"));
 }
 
 }  // namespace latvox

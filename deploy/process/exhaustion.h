@@ -33,6 +33,10 @@ uint64_t SpareStacks(uint64_t most);
 // abort, when their threads cannot start, so programs ask first.
 absl::Status CheckAddresses(uint64_t bytes);
 
+// Returns RESOURCE_EXHAUSTED, with the count, if the process cannot start so many threads. Starts them, and waits for
+// their end, because a limit counts all processes of a user, and does not tell how many there are.
+absl::Status CheckThreads(int count);
+
 }  // namespace latvox
 
 #endif  // LATVOX_PROCESS_EXHAUSTION_H_

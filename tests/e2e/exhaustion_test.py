@@ -85,7 +85,7 @@ class Exhaustion(Case):
             return become
 
         for command in (["--version"], ["voxelize", BUNNY, "--resolution", "30", "--json"], ["limits"]):
-            for count in (1, 2, 4, 6, 8, 10, 12, 64):
+            for count in (1, 2, 4, 6, 8, 10, 12, 14, 15, 16, 18, 20, 22, 24, 26, 28, 32, 36, 64):
                 with self.subTest(command[0], threads=count):
                     done = subprocess.run([BIN / "latvox", *command], capture_output=True, text=True,
                                           preexec_fn=limit(count), timeout=harness.PATIENCE, cwd="/")  # fmt: skip

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <fstream>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -30,6 +31,13 @@ absl::StatusOr<std::string> ReadToken(const std::string& path) {
     return absl::InvalidArgumentError(absl::StrCat("the token file \"", path, "\" does not hold exactly one word"));
   }
   return token;
+}
+
+// Returns the number of threads of a gRPC client and of a private server that computes. Without its threads, gRPC waits
+// forever when it ends.
+int ThreadsOfCalls() {
+  constexpr int kOthers = 20;  // timers, executors, and those that a large job starts
+  return kOthers + static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 2U, 32U));
 }
 
 std::string EnvironmentValue(const char* name) {
@@ -70,6 +78,8 @@ absl::StatusOr<std::string> Session::Address(const CallOptions& options) const {
 absl::Status Session::Connect(const CallOptions& options) {
   const auto address = Address(options);
   if (!address.ok()) return address.status();
+  // A private server has its threads by now; they count as well.
+  if (absl::Status status = CheckThreads(ThreadsOfCalls()); !status.ok()) return status;
   ConnectionOptions connection{.credentials = choice_.credentials};
   if (!choice_.token_file.empty()) {
     auto token = ReadToken(choice_.token_file);
