@@ -111,7 +111,7 @@ class Attacks(Faults):
             self.assert_serves(server)
 
     def test_through_a_proxy(self):
-        with stage.server(self.dir) as server, haproxy(self.dir, [server]) as address:
+        with stage.server(self.dir, "--behind-proxy") as server, haproxy(self.dir, [server]) as address:
             idle = self.small_times(address, "idle, through haproxy")
             for what in (HEADER_BLOCK, "rapid resets"):
                 with attack(what, address, LOAD + 0.5) as ended:
