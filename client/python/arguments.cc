@@ -20,6 +20,7 @@ namespace py = pybind11;
 // The tool's parser, with the words that it writes into.
 struct Parser {
   Parser() {
+    words.shape.is_for_memory = true;
     AddRequestOptions(command, words);
     AddServerOptions(command, words.options.server);
   }

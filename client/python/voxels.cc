@@ -5,8 +5,10 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "client/python/arguments.h"
 #include "client/python/status.h"
 #include "client/python/work.h"
+#include "client/tool/output/box_shape.h"
 #include "client/tool/vdb/vdb.h"
 #include "latvox/dense.h"
 #include "latvox/for_each_voxel.h"
@@ -60,6 +62,21 @@ py::array OfBricks(const SharedVoxels& voxels, std::array<T, N> Brick::*member) 
   const std::vector<py::ssize_t> shape = {static_cast<py::ssize_t>(bricks.size()), N},
                                  strides = {sizeof(Brick), sizeof(T)};
   return ReadOnly(py::array(py::dtype::of<T>(), shape, strides, (first->*member).data(), Owner(voxels)));
+}
+
+// Returns the box of all voxels with the call's shape, as files have it.
+absl::StatusOr<IndexBox> BoxOf(const Voxels& voxels) {
+  const BoxShape& shape = voxels.output_options.shape;
+  std::optional<IndexBox> box = voxels.all.accepted.index_box;
+  if (shape.dims) {
+    VoxelBox tight;
+    for (const Brick& brick : voxels.all.bricks) tight.Add(brick);
+    box = tight.box().value_or(IndexBox{});
+  }
+  if (!box) return IndexBox{};
+  absl::StatusOr<IndexBox> shaped = ShapedBox(*box, shape, "dense()");
+  if (shaped.ok()) return shaped;
+  return absl::Status(shaped.status().code(), WithKeywords(std::string{shaped.status().message()}));
 }
 
 }  // namespace
@@ -133,9 +150,10 @@ py::tuple Dense(const Voxels& voxels, const std::optional<IndexBox>& box, const 
   absl::StatusOr<DenseVoxels> made;
   {
     const py::gil_scoped_release release;
-    made = field.empty() ? ToDense(voxels.all.bricks, box.value_or(voxels.all.accepted.index_box.value_or(IndexBox{})))
-           : box         ? ToDense(voxels.all, *box)
-                         : ToDense(voxels.all);
+    const absl::StatusOr<IndexBox> whole = box ? *box : BoxOf(voxels);
+    made = !whole.ok()     ? whole.status()
+           : field.empty() ? ToDense(voxels.all.bricks, *whole)
+                           : ToDense(voxels.all, *whole);
   }
   DenseVoxels dense = Checked(std::move(made));
   std::vector<py::ssize_t> shape(dense.shape.begin(), dense.shape.end());

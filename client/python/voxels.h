@@ -54,8 +54,8 @@ pybind11::list NamesOfField(const Voxels& voxels, const std::string& field);  //
 // Returns a view, (n,) or (n, components). Throws KeyError for a field that they do not carry.
 pybind11::array FieldArray(const SharedVoxels& voxels, const std::string& field);
 
-// Returns the voxels of the whole index box, or of [low, high): an array of three dimensions, and its lattice point
-// [0, 0, 0]. Its elements are bool, or the values of a field. Throws as ToDense.
+// Returns the voxels of [low, high), or of the box that has the call's shape: an array of three dimensions, and its
+// lattice point [0, 0, 0]. Its elements are bool, or the values of a field. Throws as ToDense and ShapedBox.
 pybind11::tuple Dense(const Voxels& voxels, const std::optional<IndexBox>& box, const std::string& field);
 
 // Writes a file, as `latvox voxelize -o` does. Throws the errors of OpenOutput.

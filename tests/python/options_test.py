@@ -109,6 +109,26 @@ def test_dims_and_pad_shape_the_arrays_of_files(tool, tmp_path, server):
     assert np.load(path)["data"].shape == (20, 21, 22)
 
 
+def test_dims_and_pad_shape_dense_arrays(tmp_path, server):
+    mesh = write_obj(tmp_path / "mesh.obj", octahedron())
+    plain = server.voxelize(mesh, resolution=9, fields=["triangle"])
+    padded = server.voxelize(mesh, resolution=9, fields=["triangle"], pad=2)
+    assert np.array_equal(padded.dense().data, np.pad(plain.dense().data, 2))
+    assert np.array_equal(padded.dense("triangle").data, np.pad(plain.dense("triangle").data, 2))
+    low, high = plain.index_box
+    assert padded.dense().index_min == tuple(low - 2)
+    assert padded.dense(box=(low, high)).data.shape == plain.dense().data.shape
+    v = server.voxelize(mesh, dims=(20, 21, 22), pad=2)  # dims choose the resolution
+    data, index_min, affine = v.dense()
+    assert data.shape == (20, 21, 22) and np.count_nonzero(data) == len(v)
+    assert np.array_equal(np.argwhere(data) + index_min, v.ijk[np.lexsort(v.ijk.T[::-1])])
+    assert np.allclose(affine[:3, 3], v.origin + v.basis.T @ np.array(index_min))
+    v.save(tmp_path / "own.npz")
+    assert np.array_equal(np.load(tmp_path / "own.npz")["data"].astype(bool), data)
+    with pytest.raises(latvox.InvalidArgument, match=r"dense\(\): dims: 4 along i is less than the"):
+        server.voxelize(mesh, resolution=9, dims=(4, 40, 40)).dense()
+
+
 def test_out_writes_files_and_align_reads_one(tool, tmp_path, server):
     mesh = write_obj(tmp_path / "mesh.obj", octahedron())
     v = server.voxelize(mesh, resolution=9, out=[tmp_path / "a.vdb", tmp_path / "a.npy"], npy="dense")

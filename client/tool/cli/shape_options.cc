@@ -52,7 +52,7 @@ void InterpretShape(const ShapeWords& words, const std::vector<std::string>& out
   options.dense_npy = words.npy == "dense";
   if (!words.dims.empty()) ParseNumbers(words.dims, options.shape.dims.emplace());
   if (!words.pad.empty()) ParseNumber(words.pad, options.shape.pad);
-  if (options.shape == BoxShape()) return;
+  if (words.is_for_memory || options.shape == BoxShape()) return;
   const auto has_shape = [&](const std::string& path) {
     return HasExtension(path, ShapedExtensions()) && (options.dense_npy || !is_npy(path));
   };

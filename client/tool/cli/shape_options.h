@@ -13,11 +13,12 @@ namespace latvox::client {
 // The words as given. Parsing writes into them.
 struct ShapeWords {
   std::string npy, dims, pad;
+  bool is_for_memory = false;  // the caller makes arrays of the voxels itself, so no output needs a shape
 };
 
 std::vector<OptionRow> ShapeRows(ShapeWords& words);
 
-// Writes the shape to `options`. Throws UsageError if none of the outputs has one.
+// Writes the shape to `options`. Throws UsageError if nothing has one.
 void InterpretShape(const ShapeWords& words, const std::vector<std::string>& outputs, OutputOptions& options);
 
 }  // namespace latvox::client
