@@ -27,3 +27,12 @@ export function withFiles(use) {
     rmSync(directory, { recursive: true });
   }
 }
+
+// Returns the settings that latvoxd finds in the configuration file: name -> text.
+export const settings = (text) => withFiles((run, directory) => {
+  const files = { 'tls/server.pem.key': 'key.pem', 'tls/server.pem': 'certificate.pem', 'tokens/tokens': 'tokens' };
+  for (const [inside, file] of Object.entries(files)) text = text.replaceAll(`/run/secrets/latvox/${inside}`, file);
+  writeFileSync(path.join(directory, 'latvoxd.toml'), text);
+  const told = run(path.join(process.env.LATVOX_BIN, 'latvoxd'), '--check-config', '--config', 'latvoxd.toml');
+  return Object.fromEntries([...told.matchAll(/^(\S+) = (.*?) +# file /gm)].map(([, name, value]) => [name, value.replace(/[[\]"]/g, '')]));
+});

@@ -5,7 +5,7 @@ import path from 'node:path';
 import { fileURLToPath } from 'node:url';
 import yaml from 'yaml';
 
-const ROOT = fileURLToPath(new URL('../../../deploy/kubernetes', import.meta.url));
+export const ROOT = fileURLToPath(new URL('../../../deploy/kubernetes', import.meta.url));
 export const OVERLAYS = ['service', 'batch', 'gateway'];
 
 const parse = (text) => yaml.parseAllDocuments(text, { strict: true }).map((document) => {
@@ -18,8 +18,8 @@ export const kustomization = (folder) => parse(readFileSync(path.join(ROOT, fold
 // Returns the objects of a folder and of the folders that it builds on: without a kustomization's changes to them, but
 // with the objects that it generates.
 export function written(folder) {
-  const { resources, configMapGenerator = [] } = kustomization(folder);
-  const objects = resources.flatMap((name) => {
+  const { resources, components = [], configMapGenerator = [] } = kustomization(folder);
+  const objects = [...resources, ...components].flatMap((name) => {
     const file = path.join(folder, name);
     return name.endsWith('.yaml') ? parse(readFileSync(path.join(ROOT, file), 'utf8')) : written(file);
   });
@@ -53,6 +53,7 @@ export function findKustomize() {
   return command ? { command } : { missing: 'neither kubectl nor kustomize is installed with kustomize 5' };
 }
 
-export function rendered(command, folder) {
-  return parse(execFileSync(command[0], [...command.slice(1), path.join(ROOT, folder)], { encoding: 'utf8' }));
+export function rendered(command, folder, root = ROOT) {
+  const stdio = ['ignore', 'pipe', 'pipe'];
+  return parse(execFileSync(command[0], [...command.slice(1), path.join(root, folder)], { encoding: 'utf8', stdio }));
 }

@@ -1,10 +1,12 @@
 // Checks the output of kustomize for deploy/kubernetes, and the Secrets of deploy/docs. Exits with 77,
 // ctest's "skipped", without kustomize or kubectl.
 import assert from 'node:assert/strict';
-import { readFileSync } from 'node:fs';
+import { cpSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import path from 'node:path';
 import { test } from 'node:test';
 import { check, SECRETS, withFiles } from './check.js';
-import { findKustomize, kubectlMissing, OVERLAYS, rendered, written } from './documents.js';
+import { findKustomize, kubectlMissing, kustomization, lone, OVERLAYS, rendered, ROOT, written } from './documents.js';
 
 const { command, missing = kubectlMissing() } = findKustomize();
 if (missing) {
@@ -26,6 +28,68 @@ test('batch: workers count as many workers as there are', () => {
   const { spec } = rendered(command, 'overlays/batch').find(({ kind }) => kind === 'Job');
   const { value } = spec.template.spec.containers[0].env.find(({ name }) => name === 'LATVOX_WORKER_COUNT');
   assert.equal(value, String(spec.completions));
+});
+
+// Renders the folder `site` with components beside its own, and with other values, in a copy of deploy/kubernetes.
+function site({ before = [], after = [], change = (values) => values }) {
+  const root = mkdtempSync(path.join(tmpdir(), 'latvox-site-'));
+  try {
+    cpSync(ROOT, root, { recursive: true });
+    const components = [...before, 'values', ...after].map((name) => `../components/${name}`);
+    writeFileSync(path.join(root, 'site/kustomization.yaml'), JSON.stringify({ ...kustomization('site'), components }));
+    const [values] = lone('site/values.yaml');
+    writeFileSync(path.join(root, 'site/values.yaml'), JSON.stringify({ ...values, data: change(values.data) }));
+    return rendered(command, 'site', root);
+  } finally {
+    rmSync(root, { recursive: true });
+  }
+}
+const deployment = (objects, wanted) => objects.find(({ kind, metadata: { name } }) => kind === 'Deployment' && name === wanted);
+const byName = (objects) => Object.fromEntries(objects.map((object) => [`${object.kind}/${object.metadata.name}`, object]));
+
+test('site: as it is, it equals the overlay `service`, and with the gateway, that of the gateway as well', () => {
+  const service = rendered(command, 'overlays/service');
+  assert.deepEqual(rendered(command, 'site'), service);
+  assert.deepEqual(byName(site({ before: ['gateway'] })), byName([...service, ...rendered(command, 'overlays/gateway')]));
+});
+
+test('site: each value is in its places, and there alone', () => {
+  const data = { image: 'registry.example/latvox:1', minPods: '3', maxPods: '7', cpu: '16', memory: '11Gi', tokensSecret: 'some-tokens',
+    tlsSecret: 'some-tls', haproxyImage: 'registry.example/haproxy:2', gatewayImage: 'registry.example/gateway:3', gatewayPods: '5', gatewayTlsSecret: 'web-tls' };
+  const found = byName(site({ before: ['gateway'], change: (values) => {
+    assert.deepEqual(Object.keys(values).sort(), Object.keys(data).sort());
+    return data;
+  } }));
+  const expected = byName(site({ before: ['gateway'] }));
+  const { spec: { template: { spec: pod } } } = expected['Deployment/latvox'], gateway = expected['Deployment/latvox-gateway'].spec;
+  Object.assign(expected['HorizontalPodAutoscaler/latvox'].spec, { minReplicas: 3, maxReplicas: 7 });
+  const [latvoxd, haproxy] = ['latvoxd', 'haproxy'].map((name) => pod.containers.find((container) => container.name === name));
+  Object.assign(latvoxd, { image: data.image, resources: { requests: { cpu: '16', memory: '11Gi' }, limits: { cpu: '16', memory: '11Gi' } } });
+  haproxy.image = data.haproxyImage;
+  const secret = ({ volumes }, wanted) => volumes.find(({ name }) => name === wanted).secret;
+  secret(pod, 'tokens').secretName = 'some-tokens';
+  secret(pod, 'tls').secretName = 'some-tls';
+  gateway.replicas = 5;
+  gateway.template.spec.containers[0].image = data.gatewayImage;
+  secret(gateway.template.spec, 'roots').secretName = 'some-tls';
+  secret(gateway.template.spec, 'tls').secretName = 'web-tls';
+  assert.deepEqual(found, expected);
+});
+
+test('site: a value that is missing is an error that names it', () => {
+  for (const name of Object.keys(lone('site/values.yaml')[0].data)) {
+    const change = ({ [name]: _, ...others }) => others;
+    assert.throws(() => site({ change }), new RegExp(`data\\.${name}.*is missing`), name);
+  }
+});
+
+test('site: without haproxy, latvoxd has the port and the certificate; without the operator, there is no monitor', () => {
+  const objects = site({ before: ['gateway'], after: ['direct-tls', 'without-monitor'] });
+  check(objects);
+  const { containers } = deployment(objects, 'latvox').spec.template.spec;
+  assert.deepEqual(containers.map(({ name, ports }) => [name, ports.map((port) => port.name).sort()]), [['latvoxd', ['grpc', 'health', 'metrics']]]);
+  assert.deepEqual(objects.filter(({ kind }) => kind === 'ConfigMap').map(({ metadata }) => metadata.name.replace(/-[^-]*$/, '')), ['latvoxd']);
+  assert.deepEqual(objects.filter(({ kind }) => kind === 'ServiceMonitor'), []);
 });
 
 test('the Secrets are as deploy/docs make them', () => withFiles((run) => {

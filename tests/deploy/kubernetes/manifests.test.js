@@ -1,12 +1,12 @@
 // The manifests of deploy/kubernetes have the API's types, are consistent, and configure latvoxd correctly. These tests
 // read them as written; kustomize.test.js reads them as rendered. Needs LATVOX_BIN.
 import assert from 'node:assert/strict';
-import { writeFileSync } from 'node:fs';
+import { readFileSync, writeFileSync } from 'node:fs';
 import path from 'node:path';
 import { test } from 'node:test';
 import { readOptions } from '../../../deploy/gateway/options.js';
-import { check, SECRETS, withFiles } from './check.js';
-import { lone, OVERLAYS, written } from './documents.js';
+import { check, SECRETS, settings, withFiles } from './check.js';
+import { lone, OVERLAYS, ROOT, written } from './documents.js';
 import { brokenReferences, needlessRights } from './references.js';
 import { typeErrors } from './types.js';
 
@@ -52,15 +52,6 @@ test('the loader may do as little as the workers, whose volumes it fills', () =>
   assert.deepEqual(needlessRights([wrapped]), []);
 });
 
-// Returns the settings that latvoxd finds in the configuration file: name -> text.
-const settings = (text) => withFiles((run, directory) => {
-  const files = { 'tls/tls.crt': 'certificate.pem', 'tls/tls.key': 'key.pem', 'tokens/tokens': 'tokens' };
-  for (const [inside, file] of Object.entries(files)) text = text.replaceAll(`/run/secrets/latvox/${inside}`, file);
-  writeFileSync(path.join(directory, 'latvoxd.toml'), text);
-  const told = run(path.join(process.env.LATVOX_BIN, 'latvoxd'), '--check-config', '--config', 'latvoxd.toml');
-  return Object.fromEntries([...told.matchAll(/^(\S+) = (.*?) +# file /gm)].map(([, name, value]) => [name, value.replace(/[[\]"]/g, '')]));
-});
-
 test('service: latvoxd takes its configuration, which has the ports and the times of the pod', () => {
   const objects = load('service');
   const text = find(objects, 'ConfigMap').data['latvoxd.toml'];
@@ -72,6 +63,15 @@ test('service: latvoxd takes its configuration, which has the ports and the time
   assert.equal(container.readinessProbe.grpc.port, Number(found['health-listen'].split(':')[1]), 'probes know no TLS');
   const lastResort = 15;  // seconds that latvoxd may take after --grace
   assert.ok(terminationGracePeriodSeconds >= Number(found.grace) + container.lifecycle.preStop.sleep.seconds + lastResort);
+});
+
+test('direct-tls: latvoxd takes its configuration, which is that behind haproxy, without the proxy, and with a certificate', () => {
+  const found = settings(readFileSync(path.join(ROOT, 'components/direct-tls/latvoxd.toml'), 'utf8'));
+  const { 'tls-cert': certificate, 'tls-key': key, ...rest } = found;
+  assert.deepEqual([certificate, key], ['certificate.pem', 'key.pem']);
+  const { 'behind-proxy': proxied, ...behind } = settings(named(load('service'), 'ConfigMap', 'latvoxd').data['latvoxd.toml']);
+  assert.equal(proxied, 'true');
+  assert.deepEqual(rest, { ...behind, listen: '0.0.0.0:50151' });
 });
 
 test('service: haproxy takes its configuration, serves its port, finds its files, and leads to latvoxd', () => {
