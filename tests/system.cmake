@@ -35,6 +35,7 @@ if(NOT latvox_sanitized)
   latvox_add_system_test(deploy.kustomize "node;deploy/kubernetes/kustomize.test.js" SKIP_RETURN_CODE 77)
   latvox_add_system_test(deploy.recipes "${latvox_python};deploy/recipes_test.py")
   latvox_add_system_test(deploy.scale "${latvox_python};deploy/scale_test.py")
+  latvox_add_system_test(deploy.tarball "${latvox_python};deploy/tarball_test.py" RESOURCE_LOCK install SKIP_RETURN_CODE 77)
   latvox_add_system_test(e2e.algorithms "${latvox_python};e2e/algorithms_test.py")
   latvox_add_system_test(e2e.align "${latvox_python};e2e/align_test.py")
   latvox_add_system_test(e2e.fields "${latvox_python};e2e/fields_test.py")
@@ -120,6 +121,8 @@ if(NOT latvox_sanitized)
   endforeach()
   latvox_add_system_test(deploy.packages "${latvox_python};deploy/packages_test.py" LABELS deploy RUN_SERIAL ON
                          SKIP_RETURN_CODE 77 TIMEOUT 1200)
+  latvox_add_system_test(deploy.tarball_roots "${latvox_python};deploy/tarball_roots_test.py" LABELS deploy RUN_SERIAL ON
+                         SKIP_RETURN_CODE 77 TIMEOUT 1800)
   latvox_add_system_test(deploy.scale_measure "${latvox_python};deploy/scale_measure_test.py" LABELS deploy RUN_SERIAL ON)
   latvox_add_system_test(deploy.slurm "${latvox_python};deploy/slurm_test.py" LABELS deploy RUN_SERIAL ON
                          SKIP_RETURN_CODE 77)

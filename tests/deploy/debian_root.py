@@ -1,6 +1,6 @@
 """A fresh Debian in a directory, made from the packages of this machine's own sources, with the power to start it.
 
-    bootstrap(tar, *options)   makes an archive of a fresh Debian
+    bootstrap(tar, *options)   makes an archive of a fresh Debian, of RELEASE or another one
     Root(directory, archive)   unpacks it; runs commands in it; starts and stops systemd in it
 """
 
@@ -46,17 +46,19 @@ def run(*command, check=True, timeout=120, **options):
     return done
 
 
-def package_sources():
-    """Returns Debian's lines among this machine's own package sources, for RELEASE, in the form of sources.list."""
+def package_sources(release=RELEASE):
+    """Returns Debian's lines among this machine's own package sources, for a release, in the form of sources.list."""
     form = "deb $(REPO_URI) $(CODENAME) $(COMPONENT)"
     listed = run("apt-get", "indextargets", "--format", form, "Created-By: Packages", "Origin: Debian").stdout
-    listed = listed.replace(f" {OWN_RELEASE}", f" {RELEASE}")
+    if release == "sid":  # it has neither updates nor security
+        listed = "\n".join(line for line in listed.splitlines() if f" {OWN_RELEASE} " in line)
+    listed = listed.replace(f" {OWN_RELEASE}", f" {release}")
     if not listed:
         skip("apt knows no package source of Debian; apt-get update")
     return "".join(f"{line}\n" for line in dict.fromkeys(listed.splitlines()))
 
 
-def bootstrap(tar, *options):
+def bootstrap(tar, *options, release=RELEASE):
     """Makes an archive of a fresh Debian from this machine's package sources. `options` are mmdebstrap's."""
     # The configuration by which this machine reaches its package sources.
     settings = run("apt-config", "dump", "Acquire").stdout.splitlines()
@@ -64,8 +66,8 @@ def bootstrap(tar, *options):
     work = STATE / "work"
     work.mkdir(parents=True, exist_ok=True)
     (work / "apt.conf").write_text("\n".join(chosen) + "\n")
-    command = ["mmdebstrap", "--quiet", "--variant=minbase", f"--aptopt={work / 'apt.conf'}", *options, RELEASE, tar, "-"]
-    done = subprocess.run(command, input=package_sources(), capture_output=True, text=True, timeout=600)
+    command = ["mmdebstrap", "--quiet", "--variant=minbase", f"--aptopt={work / 'apt.conf'}", *options, release, tar, "-"]
+    done = subprocess.run(command, input=package_sources(release), capture_output=True, text=True, timeout=600)
     if done.returncode != 0:
         pathlib.Path(tar).unlink(missing_ok=True)
         skip(f"mmdebstrap cannot fetch Debian's packages here: {done.stderr.strip()[-500:]}")

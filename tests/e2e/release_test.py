@@ -7,6 +7,7 @@ small files. buf is the real one where a protocol changes, because its start tak
 import hashlib
 import os
 import pathlib
+import platform
 import shutil
 import subprocess
 import tarfile
@@ -20,9 +21,10 @@ RELEASED = "proto/released/latvox/v1/voxelizer.proto"
 # Stubs: path in the repository or in PATH -> script.
 STUBS = {
     "deploy/install-packages": "",
-    "deploy/packaging/build": 'mkdir -p build/packages/docs; touch build/packages/latvox_own.deb build/packages/docs/index.html',
-    "deploy/packaging/in-debian": 'mkdir -p build/$1/packages; touch "build/$1/packages/latvox_$1.deb"',
-    "deploy/sbom": "echo '{}'",
+    "deploy/packaging/build": 'mkdir -p build/packages/docs; cd build/packages; touch latvox_own.deb docs/index.html; echo libcurl.so.4 >late_libraries.txt',
+    "deploy/packaging/in-debian": 'mkdir -p build/$1/packages; touch "build/$1/packages/latvox_$1.deb"; [[ $2 == *build ]] || LATVOX_TREE=build/$1/packages $2',
+    "deploy/packaging/tarball": 'touch "${LATVOX_TREE:-build/packages}/latvox-0-linux-$(uname -m).tar.gz"',
+    "deploy/sbom": 'echo "{}" "$@"',
 }
 PROGRAMS = {
     "cmake": 'mkdir -p build/abi/client; touch build/abi/client/liblatvox.so',
@@ -90,7 +92,7 @@ class Release(unittest.TestCase):
         text = self.made("0.1.0")
         folder = self.repository / "build/releases/0.1.0"
         names = {"latvox-0.1.0.tar.gz", "latvox-0.1.0-docs.tar.gz", "latvox-0.1.0.spdx.json", "latvox-gateway-0.1.0.spdx.json", "latvox-0.1.0.abi.tar.gz",
-                 "latvox_own.deb"}  # fmt: skip
+                 "latvox_own.deb", f"latvox-0-linux-{platform.machine()}.tar.gz"}  # fmt: skip
         sums = dict(reversed(line.split("  ")) for line in (folder / "SHA256SUMS").read_text().splitlines())
         self.assertLessEqual(names, sums.keys())
         self.assertEqual({path.name for path in folder.iterdir()} - {"SHA256SUMS"}, sums.keys())
@@ -98,6 +100,7 @@ class Release(unittest.TestCase):
             self.assertEqual(hashlib.sha256((folder / name).read_bytes()).hexdigest(), sum)
         with tarfile.open(folder / "latvox-0.1.0.tar.gz") as tarball:
             self.assertIn("latvox-0.1.0/CMakeLists.txt", tarball.getnames())
+        self.assertIn("libcurl.so.4", (folder / "latvox-0.1.0.spdx.json").read_text())
         for told in ("no release before this one", "no ABI of a last release", "NOT BUILT: docker", "git tag -s v0.1.0"):
             self.assertIn(told, text)
 
