@@ -7,11 +7,6 @@
 namespace latvox {
 namespace {
 
-size_t PlaceOf(const FieldPlan* plan) {
-  if (plan == nullptr) return 0;
-  return static_cast<size_t>(std::ranges::find(plan->fields, Field::kFraction) - plan->fields.begin());
-}
-
 // Keeps the triangles with bounding boxes that meet the box around the lattice points of a tile.
 void KeepNear(const SnappedMesh& mesh, const Vec3i& tile_ijk, std::span<const uint32_t> triangles,
               std::vector<uint32_t>& near) {
@@ -43,8 +38,30 @@ IndexBox FinerPointsOf(const CellPoints& cell, const FinerMesh& finer, const Ind
   return {region.min * cell.n + low, (region.max - Vec3i{1, 1, 1}) * cell.n + high + Vec3i{1, 1, 1}};
 }
 
-FractionTiles::FractionTiles(const SnappedMesh& mesh, const FieldPlan* plan, const FinerMesh* finer, StopSignal stop)
-    : mesh_(mesh), plan_(plan), finer_(finer), place_(PlaceOf(plan)), stop_(stop) {}
+size_t FractionTiles::Scan::Bytes() const {
+  size_t bytes = BytesOf(triangles);
+  for (const Points* points : {&voxels, &finer}) bytes += points->all.Bytes() + points->of_labels.Bytes();
+  for (const FractionTable& table : tables) bytes += sizeof(table) + table.Bytes();
+  return bytes;
+}
+
+FractionTiles::FractionTiles(const SnappedMesh& mesh, const FieldPlan* plan, const FinerMesh* finer,
+                             std::span<const uint32_t> labels, StopSignal stop)
+    : mesh_(mesh), plan_(plan), finer_(finer), labels_(labels), stop_(stop) {
+  if (finer == nullptr) return;
+  for (size_t place = 0; place < plan->fields.size(); ++place) {
+    const Field field = plan->fields.view()[place];
+    if (field == Field::kFraction) columns_.push_back({place, std::nullopt});
+    if (field != Field::kLabelFractions) continue;
+    for (size_t label = 0; label < labels.size(); ++label) columns_.push_back({place, label});
+  }
+}
+
+void FractionTiles::Find(const Interior& interior, const Vec3i& tile_ijk, std::span<const uint32_t> triangles,
+                         Points& points) const {
+  interior.Find(tile_ijk, triangles, points.all);
+  if (!labels_.empty() && !stop_.Stopped()) points.of_labels.Set(labels_, points.all.labels());
+}
 
 // A cell lies within `high - low` of each of its points. So if no triangle comes that near to a finer tile, all cells
 // with points in it lie on the side of their voxels. Only tiles with triangles that near are counted.
@@ -57,11 +74,17 @@ void FractionTiles::Add(std::span<const uint32_t> triangles, const Interior* int
   for (TileBricks& tile : tiles) {
     if (stop_.Stopped()) return;
     const Vec3i tile_min = tile.tile_ijk * kTileSide - mesh_.base_ijk;
-    interior->Find(Shifted(tile_min, kTileBits), triangles, scan->inside);
+    Find(*interior, Shifted(tile_min, kTileBits), triangles, scan->voxels);
+    if (stop_.Stopped()) return;
     tile.fields.resize(plan_->fields.size());
-    scan->table.Begin(cell, finer_->origin + tile_min * cell.n, scan->inside.view(), tile, tile.fields[place_]);
+    scan->tables.resize(columns_.size());
+    for (size_t n = 0; n < columns_.size(); ++n) {
+      const Column& column = columns_[n];
+      scan->tables[n].Begin(cell, finer_->origin + tile_min * cell.n, scan->voxels.Of(column), tile,
+                            {tile.fields[column.place], column.label.value_or(0), column.label ? labels_.size() : 1});
+    }
     if (triangles.empty()) continue;
-    const IndexBox around = scan->table.Around();
+    const IndexBox around = scan->tables[0].Around();
     const TileTree tree(finer_->mesh, 0, margin, margin, around, stop_);
     AddNode(tree,
             {Shifted(around.min, kTileBits), TileCubeLevel(around), {triangles.begin(), triangles.end()}, {}, 0, 1},
@@ -72,14 +95,18 @@ void FractionTiles::Add(std::span<const uint32_t> triangles, const Interior* int
 
 void FractionTiles::AddNode(const TileTree& tree, const TileNode& node, const Interior& finer, Scan& scan) const {
   const Vec3i low = node.tile_ijk * kTileSide;
-  if (stop_.Stopped() || !scan.table.Meets(low, node.level)) return;
+  if (stop_.Stopped() || !scan.tables[0].Meets(low, node.level)) return;
   if (!tree.IsLeaf(node)) {
     for (const TileNode& child : tree.Children(node)) AddNode(tree, child, finer, scan);
     return;
   }
   KeepNear(finer_->mesh, node.tile_ijk, node.triangles, scan.triangles);
-  finer.Find(node.tile_ijk, scan.triangles, scan.finer);
-  if (!stop_.Stopped()) scan.table.Add(low, scan.finer.view());
+  Find(finer, node.tile_ijk, scan.triangles, scan.finer);
+  if (stop_.Stopped()) return;
+  for (size_t n = 0; n < columns_.size(); ++n) {
+    const Column& column = columns_[n];
+    if (scan.voxels.Has(column) || scan.finer.Has(column)) scan.tables[n].Add(low, scan.finer.Of(column));
+  }
 }
 
 }  // namespace latvox

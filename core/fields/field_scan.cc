@@ -45,7 +45,7 @@ void FieldScan::Find(const FieldContext& context, std::span<const uint32_t> tria
   tile.fields.resize(context.plan.fields.size());
   for (const PlacedWriter& placed : context.writers) {
     tile.fields[placed.place].clear();
-    tile.fields[placed.place].reserve(tile.voxels * FactsOf(context.plan.fields.view()[placed.place]).bytes(0));
+    tile.fields[placed.place].reserve(tile.voxels * FactsOf(context.plan.fields.view()[placed.place]).bytes(0, 0));
   }
   const double* square = context.plan.has_squares ? tile.squares.data() : nullptr;
   for (const Brick& brick : tile.bricks) {

@@ -18,6 +18,7 @@ constexpr std::array<NewWriter, kFields.size()> kWriters{
     nullptr,  // link_triangles
     nullptr,  // link_crossings
     nullptr,  // fraction: fraction_table.h
+    nullptr,  // label_fractions
 };
 
 }  // namespace

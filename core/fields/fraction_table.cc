@@ -21,12 +21,14 @@ constexpr uint64_t Bits(int32_t first, int32_t last) {
 }  // namespace
 
 void FractionTable::Begin(const CellPoints& cell, const Vec3i& first, std::span<const uint64_t> inside,
-                          const TileBricks& tile, std::vector<std::byte>& out) {
+                          const TileBricks& tile, const Column& out) {
   cell_ = &cell;
   first_ = first;
   inside_ = inside;
-  out.resize(tile.voxels * sizeof(uint16_t));
-  values_ = reinterpret_cast<uint16_t*>(out.data());  // aligned, because a vector of bytes allocates as for any type
+  out.field.resize(tile.voxels * out.count * sizeof(uint16_t));
+  // Aligned, because a vector of bytes allocates as for any type.
+  values_ = reinterpret_cast<uint16_t*>(out.field.data()) + out.n;
+  stride_ = out.count;
   runs_.clear();
   for (const CellPoints::Run& run : cell.runs) {
     runs_.push_back({run.first, run.first[0] * kTileSide + run.first[1], Bits(0, run.count - 1)});
@@ -47,7 +49,7 @@ void FractionTable::Begin(const CellPoints& cell, const Vec3i& first, std::span<
 FractionTable::Side FractionTable::SetBrick(const Brick& brick, const Vec3i& at, uint32_t first) {
   const auto full = static_cast<uint16_t>(cell_->size());
   bool any_inside = false, any_outside = false;
-  uint16_t* value = values_ + first;
+  uint16_t* value = values_ + first * stride_;
   for (int32_t x = 0; x < kBrickSide; ++x) {
     for (uint64_t bits = brick.mask[static_cast<size_t>(x)]; bits != 0; bits &= bits - 1) {
       const int yz = std::countr_zero(bits);
@@ -55,7 +57,8 @@ FractionTable::Side FractionTable::SetBrick(const Brick& brick, const Vec3i& at,
       const bool is_inside = (inside_[row] >> (at[2] + (yz & (kBrickSide - 1))) & 1) != 0;
       any_inside |= is_inside;
       any_outside |= !is_inside;
-      *value++ = is_inside ? full : 0;
+      *value = is_inside ? full : 0;
+      value += stride_;
     }
   }
   return any_inside && any_outside ? Side::kBoth : any_inside ? Side::kInside : Side::kOutside;
@@ -170,7 +173,7 @@ void FractionTable::AddCube(const PlacedBrick& brick, const Cube& cube, const Fi
     for (uint64_t bits = word(x); bits != 0; bits &= bits - 1) {
       const int yz = std::countr_zero(bits);
       const Vec3i z = brick.at + Vec3i{in_brick[0] + x, yz >> kBrickBits, yz & (kBrickSide - 1)};
-      AddVoxel(z, finer, values_[brick.first + ranks_[static_cast<size_t>((in_brick[0] + x) << 6 | yz)]]);
+      AddVoxel(z, finer, values_[(brick.first + ranks_[static_cast<size_t>((in_brick[0] + x) << 6 | yz)]) * stride_]);
     }
   }
 }

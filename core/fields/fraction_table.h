@@ -21,13 +21,19 @@ namespace latvox {
 // table, and reuses it from tile to tile.
 class FractionTable {
  public:
+  // The numbers of voxels in a field with `count` numbers for each of them: the n-th number of each.
+  struct Column {
+    std::vector<std::byte>& field;
+    size_t n = 0, count = 1;
+  };
+
   // Begins with a tile, and sets its fractions.
   //   cell      must live while this is used, as must `inside` and the tile, unchanged
   //   first     the finer point of the tile's lowest voxel
   //   inside    bit k of row (i << 6 | j): whether that voxel of the tile is inside
-  //   out       the tile's field
+  //   out       in the tile's field, which gets its size here
   void Begin(const CellPoints& cell, const Vec3i& first, std::span<const uint64_t> inside, const TileBricks& tile,
-             std::vector<std::byte>& out);
+             const Column& out);
 
   // The box of all points of all cells that the tile may have.
   IndexBox Around() const;
@@ -86,7 +92,8 @@ class FractionTable {
   const CellPoints* cell_ = nullptr;
   Vec3i first_{};
   std::span<const uint64_t> inside_;
-  uint16_t* values_ = nullptr;
+  uint16_t* values_ = nullptr;           // of the first voxel
+  size_t stride_ = 1;                    // from voxel to voxel
   std::array<uint16_t, 512> numbers_{};  // in bricks_, plus 1, of each brick of the tile; 0: it has none
   std::vector<PlacedBrick> bricks_;
   std::vector<Run> runs_;

@@ -62,7 +62,7 @@ absl::StatusOr<FieldPlan> MakeFieldPlan(const VoxelRequest& request, const Latti
   const absl::StatusOr<Metric> metric = nearest.empty() ? Metric{} : MakeMetric(lattice);
   if (!metric.ok()) return metric.status();
   std::optional<CellPoints> points;
-  if (request.fields.Contains(Field::kFraction)) {
+  if (!request.fields.OfCells().empty()) {
     const absl::StatusOr<IntegerCell> cell = IntegerCell::Of(lattice);
     if (!cell.ok()) return cell.status();
     points = PointsOf(*cell, static_cast<int32_t>(request.fraction_n));

@@ -32,11 +32,11 @@ struct FieldPlan {
   Mat3d basis;                        // of the lattice, world units
   FieldList of_mesh;                  // the fields of the mesh among `fields`
   std::vector<uint32_t> of_vertices;  // as TriangleMesh::attributes: those of the fields of the mesh
-  std::optional<CellPoints> cell;     // for a fraction
+  std::optional<CellPoints> cell;     // for fields of cells
 };
 
-// Errors: INVALID_ARGUMENT as MakeMetric and, for a fraction, as IntegerCell; or if voxels are so small or large that
-// 32-bit floats hold no distances.
+// Errors: INVALID_ARGUMENT as MakeMetric and, for a field of cells, as IntegerCell; or if voxels are so small or large
+// that 32-bit floats hold no distances.
 absl::StatusOr<FieldPlan> MakeFieldPlan(const VoxelRequest& request, const Lattice& lattice,
                                         std::vector<uint32_t> of_vertices);
 

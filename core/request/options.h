@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 #include <variant>
+#include <vector>
 
 #include "core/base/vec.h"
 #include "core/brick/brick.h"
@@ -46,7 +47,8 @@ struct VoxelizeOptions {
   SetOption set = SeparatingSurface{};               // which lattice points
   FieldList fields = {};                             // what each of them carries
   bool signed_distance = false;                      // distances are negative inside; needs Field::kDistance
-  uint32_t fraction_n = 0;                           // points along each axis; needs Field::kFraction
+  uint32_t fraction_n = 0;                           // points along each axis; needs a field of cells
+  std::vector<uint32_t> fraction_labels = {};        // of Field::kLabelFractions; none: all of the mesh, ascending
   bool verify = false;                               // count tunnels and redundant voxels of the finished set
 };
 

@@ -93,6 +93,7 @@ absl::StatusOr<VoxelRequest> MakeRequest(const VoxelizeOptions& options) {
                       options.fields,
                       options.signed_distance,
                       options.fraction_n,
+                      options.fraction_labels,
                       {options.region, options.bounds, options.shard, options.resume_after},
                       options.verify};
 }

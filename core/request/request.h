@@ -5,6 +5,7 @@
 #include <optional>
 #include <string_view>
 #include <variant>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "core/base/vec.h"
@@ -66,8 +67,9 @@ struct VoxelRequest {
   int separability = 0;  // k: 0, 1 or 2
   PointSet set = SurfaceSet{};
   FieldList fields = {};
-  bool signed_distance = false;  // distances are negative inside
-  uint32_t fraction_n = 0;       // a fraction counts this many points along each axis
+  bool signed_distance = false;                // distances are negative inside
+  uint32_t fraction_n = 0;                     // a fraction counts this many points along each axis
+  std::vector<uint32_t> fraction_labels = {};  // with Field::kLabelFractions; none: all labels of the mesh, ascending
   Part part = {};
   bool verify = false;  // count tunnels and redundant voxels of the finished set
 

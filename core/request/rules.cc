@@ -86,9 +86,10 @@ Found CheckSignedDistance(const VoxelizeOptions& options) {
 
 Found CheckFraction(const VoxelizeOptions& options) {
   const uint32_t n = options.fraction_n;
-  if (!options.fields.Contains(Field::kFraction)) {
+  if (options.fields.OfCells().empty()) {
     if (n == 0) return std::nullopt;
-    return Breach{"fraction_n", absl::StrCat("fraction_n ", n, ": needs fraction among fields"), absl::StrCat(n)};
+    return Breach{"fraction_n", absl::StrCat("fraction_n ", n, ": needs fraction or label_fractions among fields"),
+                  absl::StrCat(n)};
   }
   if (n >= kLeastFraction && n <= kMostFraction) return std::nullopt;
   const std::string limit = absl::StrCat(n < kLeastFraction ? kLeastFraction : kMostFraction);
@@ -107,27 +108,43 @@ Found CheckLabels(const VoxelizeOptions& options) {
   return Breach{"solid.labels", absl::StrCat("solid.labels ", name, ": needs ", name, " among fields"), name};
 }
 
-Found CheckPriority(const VoxelizeOptions& options) {
+// A list of labels in `field`: at most `most`, each once.
+Found FindBadLabels(const char* field, const std::vector<uint32_t>& labels, size_t most) {
   constexpr uint32_t kLargest = FactsOf(Field::kPart).largest;
   static_assert(kLargest == FactsOf(Field::kMaterial).largest);
-  const Solid* const solid = std::get_if<Solid>(&options.set);
-  if (solid == nullptr || solid->priority.empty()) return std::nullopt;
-  const std::vector<uint32_t>& priority = solid->priority;
-  if (!solid->labels) return Breach{"solid.priority", "solid.priority: needs solid.labels"};
-  if (priority.size() > kMaxLabels) {
-    return Breach{"solid.priority", absl::StrCat("solid.priority: ", priority.size(), " labels exceed ", kMaxLabels),
-                  absl::StrCat(priority.size()), absl::StrCat(kMaxLabels)};
+  if (labels.size() > most) {
+    return Breach{field, absl::StrCat(field, ": ", labels.size(), " labels exceed ", most), absl::StrCat(labels.size()),
+                  absl::StrCat(most)};
   }
-  for (const uint32_t label : priority) {
+  for (const uint32_t label : labels) {
     if (label <= kLargest) continue;
-    return Breach{"solid.priority", absl::StrCat("solid.priority ", label, " exceeds ", kLargest), absl::StrCat(label),
+    return Breach{field, absl::StrCat(field, " ", label, " exceeds ", kLargest), absl::StrCat(label),
                   absl::StrCat(kLargest)};
   }
-  std::vector<uint32_t> sorted = priority;
+  std::vector<uint32_t> sorted = labels;
   std::ranges::sort(sorted);
   const auto twice = std::ranges::adjacent_find(sorted);
   if (twice == sorted.end()) return std::nullopt;
-  return Breach{"solid.priority", absl::StrCat("solid.priority ", *twice, " occurs twice"), absl::StrCat(*twice)};
+  return Breach{field, absl::StrCat(field, " ", *twice, " occurs twice"), absl::StrCat(*twice)};
+}
+
+Found CheckPriority(const VoxelizeOptions& options) {
+  const Solid* const solid = std::get_if<Solid>(&options.set);
+  if (solid == nullptr || solid->priority.empty()) return std::nullopt;
+  if (!solid->labels) return Breach{"solid.priority", "solid.priority: needs solid.labels"};
+  return FindBadLabels("solid.priority", solid->priority, kMaxLabels);
+}
+
+Found CheckFractionLabels(const VoxelizeOptions& options) {
+  if (!options.fields.Contains(Field::kLabelFractions)) {
+    if (options.fraction_labels.empty()) return std::nullopt;
+    return Breach{"fraction_labels", "fraction_labels: needs label_fractions among fields"};
+  }
+  const Solid* const solid = std::get_if<Solid>(&options.set);
+  if (solid == nullptr || !solid->labels) {
+    return Breach{"fields", "fields label_fractions: needs solid.labels", NameOf(Field::kLabelFractions)};
+  }
+  return FindBadLabels("fraction_labels", options.fraction_labels, kMostFractionLabels);
 }
 
 constexpr std::array kValueRules{
@@ -142,6 +159,7 @@ constexpr std::array kValueRules{
     ValueRule{"fraction_n", CheckFraction},
     ValueRule{"solid.labels", CheckLabels},
     ValueRule{"solid.priority", CheckPriority},
+    ValueRule{"fraction_labels", CheckFractionLabels},
 };
 
 using O = VoxelizeOptions;
@@ -179,9 +197,9 @@ constexpr std::array kOptions{
     Option{"enclosed", "enclosed", "`enclosed`", [](const O& o) { return Is<Enclosed>(o); }, None},
     Option{"connected", "connected", "`connected`", [](const O& o) { return Is<Connected>(o); }, None},
     Option{"links", "links", "`links`", [](const O& o) { return Is<Links>(o); }, None},
-    Option{"fraction", "fields", "fraction among `fields`",
-           [](const O& o) { return o.fields.Contains(Field::kFraction); },
-           [](const O&) -> std::string { return "fraction"; }},
+    Option{"fraction", "fields", "fraction or label_fractions among `fields`",
+           [](const O& o) { return !o.fields.OfCells().empty(); },
+           [](const O& o) -> std::string { return NameOf(*o.fields.OfCells().begin()); }},
     Option{"open solid", "solid.force_open", "`solid.force_open`",
            [](const O& o) { return Is<Solid>(o) && std::get<Solid>(o.set).force_open; },
            [](const O&) -> std::string { return "true"; }},

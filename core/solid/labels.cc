@@ -71,6 +71,20 @@ absl::StatusOr<Labels> MakeLabels(const SnappedMesh& mesh, const Solid& solid, s
   return labels;
 }
 
+absl::StatusOr<std::vector<uint32_t>> FractionLabelsOf(const Labels& labels, const std::vector<uint32_t>& asked) {
+  if (!asked.empty()) return asked;
+  const size_t count = labels.numbers.size();
+  if (count > kMostFractionLabels) {
+    return WithField(
+        absl::ResourceExhaustedError(absl::StrCat("fraction_labels: the mesh has ", count, " labels, the limit is ",
+                                                  kMostFractionLabels, "; the request may list some of them")),
+        "fraction_labels", absl::StrCat(count), absl::StrCat(kMostFractionLabels));
+  }
+  std::vector<uint32_t> all = labels.numbers;
+  std::ranges::sort(all);
+  return all;
+}
+
 Labels::Groups Labels::ByRank() const {
   Groups groups{std::vector<uint32_t>(of_triangles.size()), std::vector<size_t>(numbers.size() + 1)};
   for (const uint16_t rank : of_triangles) ++groups.begins[rank + size_t{1}];

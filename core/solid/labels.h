@@ -41,6 +41,10 @@ inline constexpr uint64_t kLabelBytesPerTriangle = 8;
 absl::StatusOr<Labels> MakeLabels(const SnappedMesh& mesh, const Solid& solid, std::span<const uint32_t> of_vertices,
                                   size_t stride, size_t place, StopSignal stop);
 
+// Returns the labels whose fractions voxels carry: those asked for, or all of the mesh, ascending, if none are. Errors:
+// RESOURCE_EXHAUSTED if all are more than kMostFractionLabels.
+absl::StatusOr<std::vector<uint32_t>> FractionLabelsOf(const Labels& labels, const std::vector<uint32_t>& asked);
+
 }  // namespace latvox
 
 #endif  // LATVOX_CORE_SOLID_LABELS_H_

@@ -121,6 +121,11 @@ absl::StatusOr<std::unique_ptr<ExactPlan>> MakeExactPlan(ExactInput asked, const
     if (!labels.ok()) return labels.status();
     plan->labels = *std::move(labels);
   }
+  if (input.fields && input.fields->fields.Contains(Field::kLabelFractions)) {
+    auto labels = FractionLabelsOf(*plan->labels, request.fraction_labels);
+    if (!labels.ok()) return labels.status();
+    plan->facts.fraction_labels = *std::move(labels);
+  }
   if (plan->HasFraction()) {
     if (absl::Status status = AddFinerMesh(*plan, creation); !status.ok()) return status;
   }

@@ -28,7 +28,7 @@ UnitScan::UnitScan(const ExactPlan& plan, const UnitScheduler& units, StopSignal
       fields_(plan.input.mesh, plan.input.fields ? &*plan.input.fields : nullptr, plan.index.get(), stop),
       links_(plan.LinkContext(stop), plan.input.fields ? plan.input.fields->fields : FieldList{}),
       fractions_(plan.input.mesh, plan.input.fields ? &*plan.input.fields : nullptr,
-                 plan.finer ? &*plan.finer : nullptr, stop),
+                 plan.finer ? &*plan.finer : nullptr, plan.facts.fraction_labels, stop),
       band_(MakeBandContext(plan, stop)) {}
 
 std::vector<TileBricks> UnitScan::Scan(const TileNode& unit, const Interior* interior, const Interior* finer,

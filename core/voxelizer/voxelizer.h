@@ -32,6 +32,7 @@ struct JobFacts {
   uint64_t unbalanced_lines = 0;                     // for a solid, once prepared: see CountUnbalancedLines
   double band_width = 0;                             // world units; 0: there is no band
   std::optional<WalkFacts> walk = std::nullopt;      // for a set that a walk decides, once prepared
+  std::vector<uint32_t> fraction_labels = {};        // those of Field::kLabelFractions
 
   // Whether the tile meets index_box.
   bool HasTile(const Vec3i& tile_ijk) const;

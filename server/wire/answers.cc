@@ -107,6 +107,7 @@ v1::Accepted AcceptedToProto(const std::string& request_id, const VoxelRequest& 
   }
   accepted.set_tiles_in_box(facts.tiles_in_box);
   MeshFactsToProto(facts, source, *accepted.mutable_mesh());
+  for (const uint32_t label : facts.fraction_labels) accepted.add_fraction_labels(label);
   if (request.fields.OfLinks().empty()) return accepted;
   for (const Vec3i& q : NeighborsOf(grid.lattice.frames(request.separability))) ToProto(q, *accepted.add_neighbors());
   return accepted;
@@ -143,6 +144,7 @@ v1::Certificate CertificateToProto(const JobSpec& spec, const JobFacts& facts, c
   FieldsToProto(request.fields, totals, certificate);
   certificate.set_signed_distance(request.signed_distance);
   certificate.set_fraction_n(request.fraction_n);
+  for (const uint32_t label : facts.fraction_labels) certificate.add_fraction_labels(label);
   return certificate;
 }
 

@@ -162,6 +162,7 @@ absl::StatusOr<VoxelRequest> RequestFromProto(const v1::VoxelizeSpec& spec) {
   status.Update(Assign(FieldsFromProto(spec.fields(), "fields"), options.fields));
   options.signed_distance = spec.signed_distance();
   options.fraction_n = spec.fraction_n();
+  options.fraction_labels.assign(spec.fraction_labels().begin(), spec.fraction_labels().end());
   if (!status.ok()) return status;
   auto request = MakeRequest(options);
   return request.ok() ? std::move(request) : WithCauseOfCore(request.status());

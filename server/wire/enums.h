@@ -80,7 +80,8 @@ inline constexpr EnumTable<Field, kFields.size()> kFieldNumbers{{{v1::FIELD_PART
                                                                  {v1::FIELD_LINKS, Field::kLinks},
                                                                  {v1::FIELD_LINK_TRIANGLES, Field::kLinkTriangles},
                                                                  {v1::FIELD_LINK_CROSSINGS, Field::kLinkCrossings},
-                                                                 {v1::FIELD_FRACTION, Field::kFraction}}};
+                                                                 {v1::FIELD_FRACTION, Field::kFraction},
+                                                                 {v1::FIELD_LABEL_FRACTIONS, Field::kLabelFractions}}};
 
 // Returns the meaning of a number on the wire. Errors: INVALID_ARGUMENT with an ErrorCause if the table does not have
 // it.

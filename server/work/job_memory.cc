@@ -25,16 +25,17 @@ constexpr uint64_t kLabelThreadBytes = uint64_t{12} << 20;
 // With fields: the search, and the fields of blocks in flight: of two tiles of a solid or a band, which may be full, or
 // of two blocks of a surface, as measured.
 constexpr uint64_t kFieldThreadBytes = uint64_t{4} << 20, kFieldThreadVoxels = uint64_t{2} << 20;
-// The same for fields of links, which are too large for such generosity: two full tiles, or blocks of a surface.
-constexpr uint64_t kLinkThreadVoxels = uint64_t{1} << 19;
+// The same for fields of many numbers, which are too large for such generosity: two full tiles, or blocks of a surface.
+constexpr uint64_t kLargeFieldThreadVoxels = uint64_t{1} << 19;
 
 // The mesh: its arrays and those of the job, as measured, and half as much again. A field of the mesh counts twice for
 // each vertex: in the job's mesh, and in a mesh that the store has dropped since.
 constexpr uint64_t kBytesPerTriangle = 48, kBytesPerVertex = 24;
 constexpr uint64_t kBytesPerMeshField = 8;
 
-// Fractions: the inside of two tiles in each thread, and the vertices of the finer mesh.
+// Fractions: the inside of two tiles in each thread, and for each label once more; and the vertices of the finer mesh.
 constexpr uint64_t kFractionThreadBytes = uint64_t{3} << 20, kFractionBytesPerVertex = 18;
+constexpr uint64_t kLabelFractionThreadBytes = uint64_t{128} << 10;
 
 // Thinning: where triangles fill a volume, many voxels of a block of 128^3 are in doubt.
 constexpr double kBlockSide = 128, kBytesPerVoxelOfBlock = 60, kMostBytesOfBlock = 64 << 20;
@@ -83,10 +84,11 @@ void JobMemory::Free() { memory_.Shrink(0); }
 uint64_t JobMemory::BytesOf(uint64_t triangles, uint64_t vertices) const {
   const FieldList nearest = request_.fields.OfNearest();
   const bool has_fraction = request_.fraction_n != 0;
-  const uint64_t bytes_of_voxel = nearest.bytes(0) + (has_fraction ? FactsOf(Field::kFraction).bytes(0) : 0);
-  const uint64_t of_links = request_.fields.OfLinks().bytes(kMostNeighbors);
-  const uint64_t of_thread = (request_.fields.empty() ? 0 : kFieldThreadBytes) + kFieldThreadVoxels * bytes_of_voxel +
-                             kLinkThreadVoxels * of_links + (has_fraction ? kFractionThreadBytes : 0);
+  const uint64_t small = nearest.bytes(0, 0) + request_.fields.OfCells().bytes(0, 0);
+  const uint64_t large = request_.fields.OfLinks().bytes(kMostNeighbors, 0) + FractionLabels() * sizeof(uint16_t);
+  const uint64_t of_thread = (request_.fields.empty() ? 0 : kFieldThreadBytes) + kFieldThreadVoxels * small +
+                             kLargeFieldThreadVoxels * large + (has_fraction ? kFractionThreadBytes : 0) +
+                             FractionLabels() * kLabelFractionThreadBytes;
   const uint64_t of_triangle =
       (nearest.empty() ? 0 : TriangleIndex::kBytesPerTriangle) + (IsLabeled() ? kLabelBytesPerTriangle : 0);
   return kStreamBytes + threads_ * (kThreadBytes + of_thread) + triangles * (kBytesPerTriangle + of_triangle) +
@@ -99,6 +101,12 @@ uint64_t JobMemory::BytesOfSolid(double line_crossings) const {
   if (request_.solid() == nullptr && !request_.signed_distance && request_.fraction_n == 0) return 0;
   if (!IsLabeled()) return threads_ * kSolidThreadBytes + ToBytes(line_crossings * kBytesPerLineCrossing);
   return threads_ * (kSolidThreadBytes + kLabelThreadBytes) + ToBytes(line_crossings * kBytesPerLabeledCrossing);
+}
+
+// The most labels whose fractions voxels may carry.
+uint64_t JobMemory::FractionLabels() const {
+  if (!request_.fields.Contains(Field::kLabelFractions)) return 0;
+  return request_.fraction_labels.empty() ? kMostFractionLabels : request_.fraction_labels.size();
 }
 
 bool JobMemory::IsLabeled() const { return request_.solid() != nullptr && request_.solid()->labels; }

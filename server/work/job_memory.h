@@ -62,6 +62,7 @@ class JobMemory {
   uint64_t BytesOf(uint64_t triangles, uint64_t vertices) const;
   uint64_t BytesOfSolid(double line_crossings) const;
   bool IsLabeled() const;
+  uint64_t FractionLabels() const;
   uint64_t BytesOfWalk(const JobEstimate& estimate) const;
   uint64_t BytesOfThinning(const JobEstimate& estimate) const;
 

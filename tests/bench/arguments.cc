@@ -95,7 +95,8 @@ void Declare(CLI::App& app, Arguments& arguments, Words& words) {
       ->delimiter(',')
       ->check(CLI::IsMember(FieldNames()));
   app.add_flag("--signed", options.signed_distance, "distances are negative inside");
-  app.add_option("--fraction-n", options.fraction_n, "with --fields fraction: points along each axis of a cell");
+  app.add_option("--fraction-n", options.fraction_n,
+                 "with --fields fraction or label_fractions: points along each axis of a cell");
   app.add_option("--simd", words.simd, "kernels")->check(OneOf(kSimdNames));
   app.add_option("--threads", arguments.threads)->check(CLI::Range(1, kMaxThreads));
   app.add_option("--warmups", arguments.warmups, "repetitions before the clock")->check(CLI::Range(0, 1000));

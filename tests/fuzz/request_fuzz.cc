@@ -72,7 +72,8 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size) {
     for (const latvox::Brick& brick : tile.bricks) voxels.Add(brick);
     if (tile.fields.size() != spec->request.fields.size() || !tile.labels.empty()) std::abort();
     for (size_t n = 0; n < tile.fields.size(); ++n) {
-      const size_t bytes = latvox::FactsOf(spec->request.fields.view()[n]).bytes(neighbors);
+      const size_t bytes =
+          latvox::FactsOf(spec->request.fields.view()[n]).bytes(neighbors, (*job)->facts().fraction_labels.size());
       if (tile.fields[n].size() != tile.voxels * bytes) std::abort();
     }
     if (++tiles == 8) (*job)->Cancel();  // the lattice may be huge

@@ -26,9 +26,9 @@ std::array<T, N> NumbersOf(const std::vector<std::byte>& bytes) {
   return numbers;
 }
 
-// Checks the lengths, too. neighbors: of a voxel, for fields of links.
+// Checks the lengths, too. neighbors: of a voxel, for fields of links; labels: of its fractions.
 inline std::map<Vec3i, VoxelFields> FieldsByVoxel(const std::vector<TileBricks>& tiles, const FieldList& fields,
-                                                  size_t neighbors = 0) {
+                                                  size_t neighbors = 0, size_t labels = 0) {
   std::map<Vec3i, VoxelFields> by_voxel;
   for (const TileBricks& tile : tiles) {
     EXPECT_EQ(tile.fields.size(), fields.size());
@@ -39,7 +39,7 @@ inline std::map<Vec3i, VoxelFields> FieldsByVoxel(const std::vector<TileBricks>&
         if (!(brick.mask[static_cast<size_t>(bit >> 6)] >> (bit & 63) & 1)) continue;
         VoxelFields& of_voxel = by_voxel[brick.brick_ijk * kBrickSide + Vec3i{bit >> 6, bit >> 3 & 7, bit & 7}];
         for (size_t n = 0; n < fields.size(); ++n) {
-          const auto bytes = static_cast<std::ptrdiff_t>(FactsOf(fields.view()[n]).bytes(neighbors));
+          const auto bytes = static_cast<std::ptrdiff_t>(FactsOf(fields.view()[n]).bytes(neighbors, labels));
           const auto first = tile.fields[n].begin() + static_cast<std::ptrdiff_t>(voxel) * bytes;
           of_voxel.emplace_back(first, first + bytes);
         }
@@ -48,7 +48,7 @@ inline std::map<Vec3i, VoxelFields> FieldsByVoxel(const std::vector<TileBricks>&
     }
     EXPECT_EQ(voxel, tile.voxels);
     for (size_t n = 0; n < fields.size(); ++n) {
-      EXPECT_EQ(tile.fields[n].size(), voxel * FactsOf(fields.view()[n]).bytes(neighbors));
+      EXPECT_EQ(tile.fields[n].size(), voxel * FactsOf(fields.view()[n]).bytes(neighbors, labels));
     }
   }
   return by_voxel;

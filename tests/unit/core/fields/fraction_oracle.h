@@ -9,14 +9,41 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <string>
+#include <vector>
 
+#include "core/lattice/lattice.h"
 #include "core/request/solid.h"
 #include "tests/oracle/oracle.h"
+#include "tests/unit/core/exact.h"
 #include "tests/unit/core/solid/line_fill.h"
 
 namespace latvox {
 
 using IntegerForm = std::array<std::array<int64_t, 3>, 3>;
+
+struct FormedLattice {
+  std::string name;
+  Lattice lattice;
+  IntegerForm form;
+};
+
+inline std::vector<FormedLattice> FormedLattices() {
+  std::vector<FormedLattice> lattices;
+  std::vector<ExactLattice> exact_lattices = ExactLattices();
+  // Its cells reach over several steps of the basis.
+  exact_lattices.push_back({"skew", *Lattice::FromBasis({{{1, 0, 0}, {2, 1, 0}, {0, 1, 1}}})});
+  for (const ExactLattice& exact : exact_lattices) {
+    FormedLattice formed{exact.name, exact.lattice, {}};
+    const Mat3d& basis = exact.lattice.basis();
+    for (size_t c = 0; c < 3; ++c) {
+      for (size_t r = 0; r < 3; ++r) formed.form[c][r] = std::llround(Dot(basis[c], basis[r]));
+    }
+    lattices.push_back(formed);
+  }
+  lattices.push_back({"hexagonal", Lattice::Named(NamedLattice::kHexagonal), {{{2, 1, 0}, {1, 2, 0}, {0, 0, 2}}}});
+  return lattices;
+}
 
 // Finds the lattice point that owns a point of the finer lattice. Its distance is the least after the point is shifted
 // by -(e, e^2, e^3). That is as if all borders were shifted by (e, e^2, e^3).

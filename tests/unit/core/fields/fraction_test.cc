@@ -46,29 +46,6 @@ int64_t SumOf(const std::map<Int3, int64_t>& fractions) {
   return sum;
 }
 
-struct FormedLattice {
-  std::string name;
-  Lattice lattice;
-  IntegerForm form;
-};
-
-std::vector<FormedLattice> FormedLattices() {
-  std::vector<FormedLattice> lattices;
-  std::vector<ExactLattice> exact_lattices = ExactLattices();
-  // Its cells reach over several steps of the basis.
-  exact_lattices.push_back({"skew", *Lattice::FromBasis({{{1, 0, 0}, {2, 1, 0}, {0, 1, 1}}})});
-  for (const ExactLattice& exact : exact_lattices) {
-    FormedLattice formed{exact.name, exact.lattice, {}};
-    const Mat3d& basis = exact.lattice.basis();
-    for (size_t c = 0; c < 3; ++c) {
-      for (size_t r = 0; r < 3; ++r) formed.form[c][r] = std::llround(Dot(basis[c], basis[r]));
-    }
-    lattices.push_back(formed);
-  }
-  lattices.push_back({"hexagonal", Lattice::Named(NamedLattice::kHexagonal), {{{2, 1, 0}, {1, 2, 0}, {0, 0, 2}}}});
-  return lattices;
-}
-
 class FractionOnLattice : public testing::TestWithParam<FormedLattice> {};
 
 INSTANTIATE_TEST_SUITE_P(Exact, FractionOnLattice, testing::ValuesIn(FormedLattices()),
@@ -228,16 +205,10 @@ TEST(Fraction, OfPartsIsThatOfTheWhole) {
   const Grid grid = Unscaled(Lattice::Named(NamedLattice::kFcc));
   const VoxelizeOptions whole{.set = Solid{}, .fields = kFraction, .fraction_n = 3};
   const Result all = Voxelize(mesh, grid, whole);
-  const JobTotals sum = TotalsOfShards(mesh, grid, whole, 3);
-  EXPECT_EQ(sum.voxels, all.totals.voxels);
-  EXPECT_EQ(sum.fields, all.totals.fields);
-  JobTotals halves;
-  const size_t half = all.tiles.size() / 2;
-  for (size_t n = 0; n < half; ++n) halves.Add(all.tiles[n]);
-  VoxelizeOptions rest = whole;
-  rest.resume_after = all.tiles[half - 1].tile_ijk;
-  halves.Add(Voxelize(mesh, grid, rest).totals);
-  EXPECT_EQ(halves.fields, all.totals.fields);
+  for (const JobTotals& sum : {TotalsOfShards(mesh, grid, whole, 3), TotalsOfHalves(mesh, grid, whole, all)}) {
+    EXPECT_EQ(sum.voxels, all.totals.voxels);
+    EXPECT_EQ(sum.fields, all.totals.fields);
+  }
   VoxelizeOptions some = whole;
   some.region = IndexBox{{-7, -70, 5}, {40, 3, 69}};
   const auto fractions = FractionsOf(all), found = FractionsOf(Voxelize(mesh, grid, some));

@@ -2,6 +2,7 @@
 #ifndef LATVOX_TESTS_UNIT_CORE_FIELDS_SHARDS_H_
 #define LATVOX_TESTS_UNIT_CORE_FIELDS_SHARDS_H_
 
+#include <cstddef>
 #include <cstdint>
 
 #include "tests/unit/core/exact.h"
@@ -14,6 +15,17 @@ inline JobTotals TotalsOfShards(const TriangleMesh& mesh, const Grid& grid, Voxe
     options.shard = Shard{index, count};
     sum.Add(Voxelize(mesh, grid, options).totals);
   }
+  return sum;
+}
+
+// Those of the first half of a job's tiles, and of a job that resumes after it.
+inline JobTotals TotalsOfHalves(const TriangleMesh& mesh, const Grid& grid, VoxelizeOptions options,
+                                const Result& whole) {
+  JobTotals sum;
+  const size_t half = whole.tiles.size() / 2;
+  for (size_t n = 0; n < half; ++n) sum.Add(whole.tiles[n]);
+  options.resume_after = whole.tiles[half - 1].tile_ijk;
+  sum.Add(Voxelize(mesh, grid, options).totals);
   return sum;
 }
 

@@ -57,7 +57,7 @@ TEST(Rules, NameFieldValueAndLimitOfAValue) {
 TEST(Rules, OfFractionsAskForTheirFieldAndANumberOfPoints) {
   using Words = std::vector<std::string>;
   EXPECT_EQ(RefusalOf({.fields = {Field::kPart}, .fraction_n = 8}),
-            (Words{"fraction_n 8: needs fraction among fields", "fraction_n", "8", ""}));
+            (Words{"fraction_n 8: needs fraction or label_fractions among fields", "fraction_n", "8", ""}));
   EXPECT_EQ(RefusalOf({.fields = {Field::kFraction}}), (Words{"fraction_n 0 is below 2", "fraction_n", "0", "2"}));
   EXPECT_EQ(RefusalOf({.fields = {Field::kFraction}, .fraction_n = 17}),
             (Words{"fraction_n 17 exceeds 16", "fraction_n", "17", "16"}));

@@ -62,8 +62,11 @@ std::vector<BadSpecCase> BadValues() {
        "algorithm 5 is not an algorithm", "algorithm"},
       {"surface 4", [](Spec& s) { s.mutable_solid()->set_surface(static_cast<v1::SolidSurface>(4)); },
        "solid.surface 4 is not a surface", "solid.surface"},
-      {"field 12", [](Spec& s) { s.add_fields(static_cast<v1::Field>(12)); }, "fields 12 is not a field", "fields"},
-      {"points", [](Spec& s) { s.set_fraction_n(8); }, "fraction_n 8: needs fraction among fields", "fraction_n"},
+      {"field 13", [](Spec& s) { s.add_fields(static_cast<v1::Field>(13)); }, "fields 13 is not a field", "fields"},
+      {"points", [](Spec& s) { s.set_fraction_n(8); }, "fraction_n 8: needs fraction or label_fractions among fields",
+       "fraction_n"},
+      {"labels of fractions", [](Spec& s) { s.add_fraction_labels(3); },
+       "fraction_labels: needs label_fractions among fields", "fraction_labels"},
       {"no points", [](Spec& s) { s.add_fields(v1::FIELD_FRACTION); }, "fraction_n 0 is below 2", "fraction_n"},
       {"signs", [](Spec& s) { s.set_signed_distance(true); }, "needs distance among fields", "signed_distance"},
       {"encoding 4", [](Spec& s) { s.set_encoding(static_cast<v1::BrickEncoding>(4)); },
@@ -282,6 +285,24 @@ TEST(Certificate, OfAFractionHasTheNumberOfItsPoints) {
   const v1::Certificate certificate = CertificateToProto(*JobSpecFromProto(asked, {}), {}, {}, {}, std::nullopt);
   EXPECT_EQ(certificate.fraction_n(), 8U);
   EXPECT_EQ(certificate.fields(0).field(), v1::FIELD_FRACTION);
+}
+
+TEST(Certificate, OfFractionsOfLabelsHasTheLabels) {
+  v1::VoxelizeSpec asked = GoodSpec();
+  asked.mutable_solid()->set_labels(v1::FIELD_PART);
+  asked.add_fields(v1::FIELD_PART);
+  asked.add_fields(v1::FIELD_LABEL_FRACTIONS);
+  asked.set_fraction_n(8);
+  for (const uint32_t label : {7U, 3U}) asked.add_fraction_labels(label);
+  const JobSpec spec = *JobSpecFromProto(asked, {});
+  EXPECT_EQ(spec.request.fraction_labels, (std::vector<uint32_t>{7, 3}));
+  const Grid grid{Lattice::Named(NamedLattice::kCartesian), {0, 0, 0}};
+  const JobFacts facts{.fraction_labels = {7, 3}};
+  const v1::Certificate certificate = CertificateToProto(spec, facts, {}, {}, std::nullopt);
+  EXPECT_THAT(certificate.fraction_labels(), testing::ElementsAre(7, 3));
+  EXPECT_EQ(certificate.fields(1).field(), v1::FIELD_LABEL_FRACTIONS);
+  const v1::Accepted accepted = AcceptedToProto("id", spec.request, grid, Placement::kCells, facts, {});
+  EXPECT_THAT(accepted.fraction_labels(), testing::ElementsAre(7, 3));
 }
 
 TEST(Certificate, ClaimsOfAnotherAlgorithmThanTheExactOneOnlyWhatWasCounted) {

@@ -78,6 +78,19 @@ TEST(JobMemory, ReservesForFractions) {
   EXPECT_EQ(AddedForJob(fraction, kSixBlocks), AddedForJob(NotThinned(), kSixBlocks) + 3 * 2 * kMebibyte);
 }
 
+TEST(JobMemory, ReservesForFractionsOfLabels) {
+  VoxelRequest fraction = NotThinned(), labels = fraction;
+  fraction.fields = {Field::kFraction};
+  labels.fields = {Field::kFraction, Field::kLabelFractions};
+  fraction.fraction_n = labels.fraction_n = 8;
+  const uint64_t plain = ReservedForMesh(fraction, kThreads, kTriangles, kVertices);
+  constexpr uint64_t kOfLabel = 3 * (kMebibyte / 2 * 2 + kMebibyte / 8);
+  EXPECT_EQ(ReservedForMesh(labels, kThreads, kTriangles, kVertices), plain + 32 * kOfLabel)
+      << "as many as there may be";
+  labels.fraction_labels = {5, 3};
+  EXPECT_EQ(ReservedForMesh(labels, kThreads, kTriangles, kVertices), plain + 2 * kOfLabel);
+}
+
 TEST(JobMemory, ReservesForLabels) {
   const auto filled = [](bool open, std::optional<Field> labels) {
     VoxelRequest request = Filled(open);
