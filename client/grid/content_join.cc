@@ -40,7 +40,7 @@ class Joiner {
  public:
   Joiner(const std::vector<PartContent>& parts, bool disjoint) : parts_(parts), disjoint_(disjoint) {
     for (const FieldValues& values : parts.front().content.fields) {
-      joined_.fields.push_back({values.field, {}, values.neighbors});
+      joined_.fields.push_back({values.field, {}, values.neighbors, values.labels});
     }
   }
 
@@ -57,7 +57,9 @@ class Joiner {
  private:
   absl::Status CheckFields() const {
     const PartContent& first = parts_.front();
-    const auto same = [](const FieldValues& a, const FieldValues& b) { return a.field == b.field; };
+    const auto same = [](const FieldValues& a, const FieldValues& b) {
+      return a.field == b.field && a.labels == b.labels;
+    };
     for (const auto& [path, content] : parts_) {
       if (std::ranges::equal(content.fields, first.content.fields, same)) continue;
       return absl::InvalidArgumentError(absl::StrCat(path, ": its fields are ", NamesOf(content.fields), ", but ",

@@ -1,5 +1,7 @@
 #include "client/grid/field_forms.h"
 
+#include <string>
+
 #include "client/grid/fill_grid.h"
 
 namespace latvox::client {
@@ -52,6 +54,7 @@ auto WithForm(Field field, const Visit& visit) {
     case Field::kNormal:
       return visit(VectorForm());
     case Field::kFraction:
+    case Field::kLabelFractions:
       return visit(SmallIntegerForm());
     case Field::kPart:
     case Field::kMaterial:
@@ -65,21 +68,30 @@ auto WithForm(Field field, const Visit& visit) {
 }
 
 template <class Form, class Value, class Number>
-void Fill(std::span<const Brick> bricks, const FieldValues& values, Value (*to_value)(const Number*),
+void Fill(std::span<const Brick> bricks, const FieldValues& values, size_t n, Value (*to_value)(const Number*),
           openvdb::GridBase& grid) {
-  FillGrid(bricks, values.As<Number>().data(), values.components(), to_value, static_cast<typename Form::Grid&>(grid));
+  FillGrid(bricks, values.As<Number>().data() + n, values.components(), to_value,
+           static_cast<typename Form::Grid&>(grid));
 }
 
 }  // namespace
 
-openvdb::GridBase::Ptr NewFieldGrid(Field field) {
-  const auto grid = WithForm(field, [](auto form) -> openvdb::GridBase::Ptr { return form.New(); });
-  grid->setName(NameOf(field));
-  return grid;
+std::vector<openvdb::GridBase::Ptr> NewFieldGrids(Field field, const std::vector<uint32_t>& fraction_labels) {
+  std::vector<openvdb::GridBase::Ptr> grids;
+  const auto add = [&](const std::string& name) {
+    grids.push_back(WithForm(field, [](auto form) -> openvdb::GridBase::Ptr { return form.New(); }));
+    grids.back()->setName(name);
+  };
+  if (!FactsOf(field).is_of_labels()) {
+    add(NameOf(field));
+  } else {
+    for (const uint32_t label : fraction_labels) add(FractionName(label));
+  }
+  return grids;
 }
 
-void FillFieldGrid(std::span<const Brick> bricks, const FieldValues& values, openvdb::GridBase& grid) {
-  WithForm(values.field, [&](auto form) { Fill<decltype(form)>(bricks, values, &decltype(form)::ToValue, grid); });
+void FillFieldGrid(std::span<const Brick> bricks, const FieldValues& values, openvdb::GridBase& grid, size_t n) {
+  WithForm(values.field, [&](auto form) { Fill<decltype(form)>(bricks, values, n, &decltype(form)::ToValue, grid); });
 }
 
 }  // namespace latvox::client

@@ -18,7 +18,8 @@ namespace latvox::client {
 struct FieldGrids::Content {
   VoxelGrid voxels;
   std::vector<Field> fields;
-  std::vector<openvdb::GridBase::Ptr> grids;  // of the fields
+  std::vector<openvdb::GridBase::Ptr> grids;  // of the fields, one after the other
+  std::vector<size_t> ends;                   // of each field's
 
   openvdb::GridCPtrVec All() {
     openvdb::GridCPtrVec all{voxels.content().grid};
@@ -27,11 +28,15 @@ struct FieldGrids::Content {
   }
 };
 
-FieldGrids::FieldGrids(const GridTransform& transform, const std::vector<Field>& fields)
-    : content_(std::make_unique<Content>(Content{VoxelGrid(transform), fields, {}})) {
+FieldGrids::FieldGrids(const GridTransform& transform, const std::vector<Field>& fields,
+                       const std::vector<uint32_t>& fraction_labels)
+    : content_(std::make_unique<Content>(Content{VoxelGrid(transform), fields, {}, {}})) {
   for (const Field field : fields) {
-    content_->grids.push_back(NewFieldGrid(field));
-    Place(transform, *content_->grids.back());
+    for (openvdb::GridBase::Ptr& grid : NewFieldGrids(field, fraction_labels)) {
+      Place(transform, *grid);
+      content_->grids.push_back(std::move(grid));
+    }
+    content_->ends.push_back(content_->grids.size());
   }
 }
 
@@ -40,8 +45,13 @@ FieldGrids& FieldGrids::operator=(FieldGrids&&) noexcept = default;
 FieldGrids::~FieldGrids() = default;
 
 absl::Status FieldGrids::Add(const BrickBatch& batch) try {
+  size_t begin = 0;
   for (size_t n = 0; n < content_->fields.size(); ++n) {
-    FillFieldGrid(batch.bricks, batch.fields[n], *content_->grids[n]);
+    const size_t end = content_->ends[n];
+    for (size_t grid = begin; grid < end; ++grid) {
+      FillFieldGrid(batch.bricks, batch.fields[n], *content_->grids[grid], grid - begin);
+    }
+    begin = end;
   }
   return content_->voxels.Add(batch);
 } catch (const std::bad_alloc&) {

@@ -8,7 +8,9 @@
 #include <limits>
 #include <utility>
 
+#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
 #include "client/grid/grid_reading.h"
 #include "client/grid/grid_stream.h"
 #include "client/grid/open_file.h"
@@ -134,19 +136,60 @@ absl::Status ReadField(openvdb::GridBase& grid, const std::string& path, const G
   return ReadField<openvdb::Int32Grid>(grid, path, content, values);
 }
 
+// Reads the labels of fractions from the metadata.
+absl::StatusOr<std::vector<uint32_t>> LabelsOf(const GridFileInfo& info, const std::string& path) {
+  constexpr char kName[] = "latvox_fraction_labels";
+  std::vector<uint32_t> labels;
+  for (const auto& [name, text] : info.metadata) {
+    if (name != kName) continue;
+    for (const absl::string_view word : absl::StrSplit(text, ',')) {
+      uint32_t label = 0;
+      if (!absl::SimpleAtoi(word, &label) || labels.size() == kMostFractionLabels) {
+        return absl::InvalidArgumentError(absl::StrCat(path, ": ", kName, " \"", Printable(text),
+                                                       "\" is no list of 1 to ", kMostFractionLabels, " labels"));
+      }
+      labels.push_back(label);
+    }
+  }
+  return labels;
+}
+
+// Reads the fractions of labels, a grid for each. Without such grids, there are none.
+absl::Status ReadFractions(GridArchive& archive, const std::string& path, GridContent& content) {
+  const auto labels = LabelsOf(content.file.info, path);
+  if (!labels.ok() || labels->empty()) return labels.status();
+  FieldValues fractions{Field::kLabelFractions, {}, 0, *labels};
+  fractions.bytes.resize(content.file.info.active_voxels * fractions.bytes_of_voxel());
+  auto* const numbers = reinterpret_cast<uint16_t*>(fractions.bytes.data());
+  for (size_t n = 0; n < labels->size(); ++n) {
+    const std::string name = FractionName((*labels)[n]);
+    if (n == 0 && !archive.HasGrid(name)) return absl::OkStatus();
+    if (!archive.HasGrid(name))
+      return absl::InvalidArgumentError(absl::StrCat(path, ": lacks the grid \"", name, "\""));
+    FieldValues of_label{Field::kFraction, {}};
+    if (auto status = ReadField(*archive.ReadGrid(name), path, content, of_label); !status.ok()) return status;
+    size_t voxel = 0;
+    for (const uint16_t number : of_label.As<uint16_t>()) numbers[voxel++ * labels->size() + n] = number;
+  }
+  content.fields.push_back(std::move(fractions));
+  return absl::OkStatus();
+}
+
 absl::StatusOr<GridContent> ReadSet(GridArchive& archive, const std::string& path, bool values) {
   auto set = ReadVoxels(archive, path);
   if (!set.ok()) return set.status();
   GridContent content{.file = *std::move(set)};
   if (!values || content.file.info.name != "voxels") return content;
   for (const FieldFacts& row : kFields) {
-    if (row.is_of_links() || !archive.HasGrid(row.name)) continue;
+    if (row.is_of_links() || row.is_of_labels() || !archive.HasGrid(row.name)) continue;
     FieldValues field{row.field, {}};
     const openvdb::GridBase::Ptr grid = archive.ReadGrid(row.name);
     if (auto status = ReadField(*grid, path, content, field); !status.ok()) return status;
     content.fields.push_back(std::move(field));
     if (row.field == Field::kDistance) SetRange(*grid, content);
   }
+  static_assert(kFields.back().is_of_labels(), "fields keep the order of kFields");
+  if (auto status = ReadFractions(archive, path, content); !status.ok()) return status;
   return content;
 }
 

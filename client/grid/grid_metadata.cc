@@ -79,8 +79,11 @@ void Describe(const Certificate& certificate, openvdb::GridBase& grid) {
   Insert(grid, "latvox_fields", absl::StrJoin(certificate.fields, ",", name));
   for (const auto& [field, digest] : certificate.fields) {
     Insert(grid, absl::StrCat("latvox_", NameOf(field), "_digest").c_str(), digest);
-    if (field == Field::kFraction) {
+    if (FactsOf(field).is_of_cell()) {
       grid.insertMeta("latvox_fraction_n", openvdb::Int32Metadata(static_cast<int32_t>(certificate.fraction_n)));
+    }
+    if (FactsOf(field).is_of_labels()) {
+      Insert(grid, "latvox_fraction_labels", absl::StrJoin(certificate.fraction_labels, ","));
     }
     if (field != Field::kDistance) continue;
     grid.insertMeta("latvox_signed_distance", openvdb::BoolMetadata(certificate.signed_distance));

@@ -104,8 +104,11 @@ std::vector<openvdb::GridBase::Ptr> NewGrids(const GridContent& first, const Com
   AddBricks(joined.bricks, set->tree());
   std::vector<openvdb::GridBase::Ptr> grids = {set};
   for (const FieldValues& values : joined.fields) {
-    grids.push_back(NewFieldGrid(values.field));
-    FillFieldGrid(joined.bricks, values, *grids.back());
+    const auto of_field = NewFieldGrids(values.field, values.labels);
+    for (size_t n = 0; n < of_field.size(); ++n) {
+      FillFieldGrid(joined.bricks, values, *of_field[n], n);
+      grids.push_back(of_field[n]);
+    }
   }
   return grids;
 }

@@ -99,9 +99,10 @@ Json RequestJson(const VoxelizeRequest& request) {
     AddSurface(request, json);
   }
   for (const Field field : request.fields) {
-    const bool has_number = field == Field::kFraction;
+    const bool has_number = FactsOf(field).is_of_cell();
     json["fields"].push_back(NameOf(field) + (has_number ? absl::StrCat(":", request.fraction_n) : ""));
   }
+  if (!request.fraction_labels.empty()) json["fraction_labels"] = request.fraction_labels;
   if (request.signed_distance) json["signed"] = true;
   if (request.verify) json["verify"] = true;
   return json;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <limits>
 
 #include "absl/strings/str_cat.h"
@@ -110,6 +111,7 @@ absl::Status AnswerCheck::ReceiveAccepted(const v1::Accepted& message) {
     }
   }
   if (auto status = CheckNeighbors(); !status.ok()) return status;
+  if (auto status = CheckFractionLabels(); !status.ok()) return status;
   return handlers_.on_accepted ? handlers_.on_accepted(*accepted_) : absl::OkStatus();
 }
 
@@ -128,13 +130,29 @@ absl::Status AnswerCheck::CheckNeighbors() const {
   return absl::OkStatus();
 }
 
+// Those of the request, or if it has none, ascending, so that none comes twice.
+absl::Status AnswerCheck::CheckFractionLabels() const {
+  const std::vector<uint32_t>& labels = accepted_->fraction_labels;
+  if (labels.empty() == CarriesField(request_.fields, Field::kLabelFractions)) {
+    return Broken(labels.size(), " labels of fractions");
+  }
+  if (labels.size() > kMostFractionLabels) {
+    return Broken(labels.size(), " labels of fractions, over ", kMostFractionLabels);
+  }
+  const bool is_good = request_.fraction_labels.empty()
+                           ? std::ranges::adjacent_find(labels, std::greater_equal()) == labels.end()
+                           : labels == request_.fraction_labels;
+  return is_good ? absl::OkStatus() : Broken("fractions of the labels ", absl::StrJoin(labels, ","));
+}
+
 // The request id identifies the stream, and the number of tiles that are left is not a fact of the whole.
 absl::Status AnswerCheck::CompareAccepted(const Accepted& again) const {
-  const char* differs = !(again.grid == accepted_->grid)          ? "grid"
-                        : again.index_box != accepted_->index_box ? "index_box"
-                        : !(again.mesh == accepted_->mesh)        ? "mesh"
-                        : again.neighbors != accepted_->neighbors ? "neighbors"
-                                                                  : nullptr;
+  const char* differs = !(again.grid == accepted_->grid)                      ? "grid"
+                        : again.index_box != accepted_->index_box             ? "index_box"
+                        : !(again.mesh == accepted_->mesh)                    ? "mesh"
+                        : again.neighbors != accepted_->neighbors             ? "neighbors"
+                        : again.fraction_labels != accepted_->fraction_labels ? "fraction_labels"
+                                                                              : nullptr;
   if (differs == nullptr) return absl::OkStatus();
   return Broken("the stream was resumed, and Accepted.", differs, " is not what it was before");
 }
@@ -150,7 +168,8 @@ absl::Status AnswerCheck::ReceiveBricks(const v1::BrickBatch& message) {
   if (absl::Status status = packed ? DecodePacked(message) : DecodeMasks(message); !status.ok()) return status;
   if (!tile_continues_) {
     batch_.clear();
-    fields_.assign(request_.fields.size(), {});
+    fields_.clear();
+    for (const Field field : request_.fields) fields_.push_back(accepted_->NoValues(field));
   }
   batch_.insert(batch_.end(), part_.begin(), part_.end());
   size_t voxels = 0;
@@ -241,8 +260,6 @@ absl::Status AnswerCheck::ReceiveFields(const v1::BrickBatch& message, size_t vo
     return Broken("a batch with ", message.fields_size(), " fields, not ", asked.size());
   }
   for (size_t n = 0; n < asked.size(); ++n) {
-    fields_[n].field = asked[n];
-    if (FactsOf(asked[n]).is_of_links()) fields_[n].neighbors = accepted_->neighbors.size();
     auto status = ReceiveField(message.fields(static_cast<int>(n)), voxels, fields_[n]);
     if (!status.ok()) return status;
   }
@@ -298,6 +315,7 @@ absl::Status AnswerCheck::CheckValues(const FieldValues& field) const {
     case Field::kLinkCrossings:
       return check(uint32_t{}, [this](uint32_t number) { return number <= accepted_->mesh.triangles; });
     case Field::kFraction:
+    case Field::kLabelFractions:
       return check(uint16_t{}, [n = uint64_t{request_.fraction_n}](uint16_t number) { return number <= n * n * n; });
     case Field::kColor:
       break;  // any bytes
@@ -351,6 +369,9 @@ absl::Status AnswerCheck::CheckFields(const Certificate& certificate) const {
   }
   if (certificate.fraction_n != request_.fraction_n) {
     return Broken("a certificate of fractions by ", certificate.fraction_n, " points instead of ", request_.fraction_n);
+  }
+  if (certificate.fraction_labels != accepted_->fraction_labels) {
+    return Broken("a certificate of fractions of other labels than Accepted has");
   }
   for (size_t n = 0; n < certificate.fields.size(); ++n) {
     const std::string found = (n < stretch_.fields.size() ? stretch_.fields[n] : Digest()).ToHex();

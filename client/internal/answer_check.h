@@ -55,6 +55,7 @@ class AnswerCheck {
   absl::Status ReceiveSummary(const v1::Summary& message);
   absl::Status CheckSet(const Certificate& certificate) const;
   absl::Status CheckNeighbors() const;
+  absl::Status CheckFractionLabels() const;
   absl::Status CheckFields(const Certificate& certificate) const;
   const Band* band() const { return std::get_if<Band>(&request_.set); }
   double BandWidth() const;

@@ -19,12 +19,9 @@ template <class Mesh>
 absl::StatusOr<Voxelization> Gather(const Client& client, const VoxelizeRequest& request, const Mesh& mesh,
                                     const CallOptions& options) {
   Voxelization all;
-  for (const Field field : request.fields) all.fields.push_back({field, {}});
-  const auto accept = [&all](const Accepted& accepted) {
+  const auto accept = [&all, &request](const Accepted& accepted) {
     all.accepted = accepted;
-    for (FieldValues& values : all.fields) {
-      if (FactsOf(values.field).is_of_links()) values.neighbors = accepted.neighbors.size();
-    }
+    for (const Field field : request.fields) all.fields.push_back(accepted.NoValues(field));
     return absl::OkStatus();
   };
   const auto take = [&all](const BrickBatch& batch) {

@@ -56,9 +56,9 @@ absl::StatusOr<DenseVoxels> Shaped(const IndexBox& box, uint64_t most_points) {
 }
 
 // Returns values for points that are no voxels. Throws std::bad_alloc.
-FieldValues Empty(Field field, size_t neighbors, size_t points) {
-  FieldValues values{field, {}, neighbors};
-  const FieldFacts& facts = FactsOf(field);
+FieldValues Empty(const FieldValues& like, size_t points) {
+  FieldValues values{like.field, {}, like.neighbors, like.labels};
+  const FieldFacts& facts = FactsOf(like.field);
   values.bytes.resize(points * values.bytes_of_voxel());
   if (facts.type != NumberType::kFloat32) return values;
   auto* const numbers = reinterpret_cast<float*>(values.bytes.data());
@@ -70,7 +70,7 @@ FieldValues Empty(Field field, size_t neighbors, size_t points) {
 void Fill(const BrickBatch& all, DenseVoxels& dense) {
   const size_t points = dense.shape[0] * dense.shape[1] * dense.shape[2];
   dense.voxels.resize(points);
-  for (const FieldValues& values : all.fields) dense.fields.push_back(Empty(values.field, values.neighbors, points));
+  for (const FieldValues& values : all.fields) dense.fields.push_back(Empty(values, points));
   ForEachVoxel(all, [&](const Voxel& voxel) {
     if (!Contains(dense.box, voxel.ijk)) return;
     const size_t n = dense.IndexOf(voxel.ijk);

@@ -86,9 +86,9 @@ v1::SolidSurface ToProto(SolidSurface surface) {
 
 // In the order of kFields.
 constexpr std::array<v1::Field, kFields.size()> kFieldNumbers{
-    v1::FIELD_PART,           v1::FIELD_MATERIAL,       v1::FIELD_COLOR,   v1::FIELD_DISTANCE,
-    v1::FIELD_TRIANGLE,       v1::FIELD_POINT,          v1::FIELD_NORMAL,  v1::FIELD_LINKS,
-    v1::FIELD_LINK_TRIANGLES, v1::FIELD_LINK_CROSSINGS, v1::FIELD_FRACTION};
+    v1::FIELD_PART,           v1::FIELD_MATERIAL,       v1::FIELD_COLOR,    v1::FIELD_DISTANCE,
+    v1::FIELD_TRIANGLE,       v1::FIELD_POINT,          v1::FIELD_NORMAL,   v1::FIELD_LINKS,
+    v1::FIELD_LINK_TRIANGLES, v1::FIELD_LINK_CROSSINGS, v1::FIELD_FRACTION, v1::FIELD_LABEL_FRACTIONS};
 v1::Field ToProto(Field field) { return kFieldNumbers[static_cast<size_t>(field)]; }
 
 void SetToProto(const Surface&, v1::VoxelizeSpec& spec) { spec.mutable_surface(); }
@@ -192,6 +192,7 @@ Certificate FromProto(const v1::Certificate& certificate) {
           .fields = FieldsOf(certificate),
           .signed_distance = certificate.signed_distance(),
           .fraction_n = certificate.fraction_n(),
+          .fraction_labels = {certificate.fraction_labels().begin(), certificate.fraction_labels().end()},
           .whole_minimal = certificate.whole_minimal(),
           .walk = certificate.has_walk() ? std::optional(FromProto(certificate.walk())) : std::nullopt};
 }
@@ -246,6 +247,7 @@ v1::VoxelizeSpec ToProto(const VoxelizeRequest& request, const MeshId& mesh, con
   for (const Field field : request.fields) spec.add_fields(ToProto(field));
   spec.set_signed_distance(request.signed_distance);
   spec.set_fraction_n(request.fraction_n);
+  spec.mutable_fraction_labels()->Assign(request.fraction_labels.begin(), request.fraction_labels.end());
   if (request.raw_mesh) *spec.mutable_raw_mesh() = ToProto(*request.raw_mesh);
   return spec;
 }
@@ -263,6 +265,7 @@ Accepted FromProto(const v1::Accepted& accepted) {
   out.tiles_in_box = accepted.tiles_in_box();
   out.mesh = FromProto(accepted.mesh());
   for (const v1::Ijk& q : accepted.neighbors()) out.neighbors.push_back(FromProto(q));
+  out.fraction_labels.assign(accepted.fraction_labels().begin(), accepted.fraction_labels().end());
   out.placement = grid.placement() == v1::PLACEMENT_CELLS ? Placement::kCells : Placement::kPoints;
   return out;
 }

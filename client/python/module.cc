@@ -35,6 +35,7 @@ void BindVoxels(py::module_& module) {
       .def("origin", [](const Voxels& voxels) { return voxels.all.accepted.grid.origin; })
       .def("voxel_size", [](const Voxels& voxels) { return voxels.all.accepted.grid.voxel_size; })
       .def("neighbors", [](const Voxels& voxels) { return voxels.all.accepted.neighbors; })
+      .def("fraction_labels", [](const Voxels& voxels) { return voxels.all.accepted.fraction_labels; })
       .def("index_box",
            [](const Voxels& voxels) -> std::optional<std::pair<Vec3i, Vec3i>> {
              const auto& box = voxels.all.accepted.index_box;

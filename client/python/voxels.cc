@@ -84,9 +84,7 @@ absl::StatusOr<IndexBox> BoxOf(const Voxels& voxels) {
 absl::Status VoxelsOutput::Begin(const Accepted& accepted) {
   Voxelization& all = voxels_->all;
   all.accepted = accepted;
-  for (const Field field : voxels_->request.fields) {
-    all.fields.push_back({field, {}, FactsOf(field).is_of_links() ? accepted.neighbors.size() : 0});
-  }
+  for (const Field field : voxels_->request.fields) all.fields.push_back(accepted.NoValues(field));
   return absl::OkStatus();
 }
 

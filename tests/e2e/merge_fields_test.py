@@ -10,6 +10,7 @@ KINDS = {
     "surface": ["--fields", "part,distance,triangle,point,normal", "--lattice", "bcc"],
     "solid": ["--set", "solid", "--fields", "part,distance", "--signed"],
     "fractions": ["--set", "supercover-solid", "--fields", "fraction:4", "--lattice", "fcc"],
+    "fractions of labels": ["--set", "solid", "--labels", "part", "--fields", "part,label_fractions:3"],
     "band": ["--set", "band", "--band", "1"],
     "level set": ["--set", "band", "--band", "1", "--signed"],
 }

@@ -48,5 +48,9 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   request.fields = {Field::kFraction};
   request.fraction_n = 2;
   Receive(data, size, request);
+  request.fields = {Field::kLabelFractions};
+  Receive(data, size, request);
+  request.fraction_labels = {1, 0};
+  Receive(data, size, request);
   return 0;
 }

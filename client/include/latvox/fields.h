@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace latvox::client {
@@ -25,6 +26,8 @@ enum class Field {
   kLinkCrossings,  // the number of triangles that cross the link
   // Not of the nearest triangle, and one number: of n^3 points of the voxel's cell, those inside the mesh.
   kFraction,
+  // The same for each of Accepted::fraction_labels: a labeled solid's points of that label alone.
+  kLabelFractions,
 };
 
 // The types of a field's components.
@@ -35,20 +38,30 @@ enum class NumberType {
   kFloat32,  // IEEE 754, 32 bits, little-endian
 };
 
+// Numbers of components that depend on the call: one for each of Accepted::neighbors or Accepted::fraction_labels.
+inline constexpr size_t kOneForEachNeighbor = 0, kOneForEachLabel = static_cast<size_t>(-1);
+
 // A field's name, and the form of its values.
 struct FieldFacts {
   Field field;        // the field of this row
   const char* name;   // in the protocol, in files and on the command line
   NumberType type;    // of each component
-  size_t components;  // of a voxel; 0: one for each of Accepted::neighbors
+  size_t components;  // of a voxel, or one of the constants above
   bool is_of_mesh;    // each vertex of the mesh has a number for it
 
   // Returns whether a voxel has a number for each neighbor.
-  constexpr bool is_of_links() const { return components == 0; }
+  constexpr bool is_of_links() const { return components == kOneForEachNeighbor; }
+  // Returns whether a voxel has a number for each label.
+  constexpr bool is_of_labels() const { return components == kOneForEachLabel; }
+  // Returns whether the numbers count points of a voxel's cell.
+  constexpr bool is_of_cell() const { return field == Field::kFraction || field == Field::kLabelFractions; }
 };
 
 // The most neighbors of a lattice point, of all lattices.
 inline constexpr size_t kMostNeighbors = 26;
+
+// The most labels whose fractions a voxel carries.
+inline constexpr size_t kMostFractionLabels = 32;
 
 // All fields, in the order of their values.
 inline constexpr std::array kFields{
@@ -59,10 +72,11 @@ inline constexpr std::array kFields{
     FieldFacts{Field::kTriangle, "triangle", NumberType::kUint32, 1, false},
     FieldFacts{Field::kPoint, "point", NumberType::kFloat32, 2, false},
     FieldFacts{Field::kNormal, "normal", NumberType::kFloat32, 3, false},
-    FieldFacts{Field::kLinks, "links", NumberType::kFloat32, 0, false},
-    FieldFacts{Field::kLinkTriangles, "link_triangles", NumberType::kUint32, 0, false},
-    FieldFacts{Field::kLinkCrossings, "link_crossings", NumberType::kUint32, 0, false},
+    FieldFacts{Field::kLinks, "links", NumberType::kFloat32, kOneForEachNeighbor, false},
+    FieldFacts{Field::kLinkTriangles, "link_triangles", NumberType::kUint32, kOneForEachNeighbor, false},
+    FieldFacts{Field::kLinkCrossings, "link_crossings", NumberType::kUint32, kOneForEachNeighbor, false},
     FieldFacts{Field::kFraction, "fraction", NumberType::kUint16, 1, false},
+    FieldFacts{Field::kLabelFractions, "label_fractions", NumberType::kUint16, kOneForEachLabel, false},
 };
 
 // Returns the row of a field.
@@ -87,15 +101,22 @@ inline bool CarriesLinks(std::span<const Field> fields) {
   return false;
 }
 
+// Returns the name of a label's fractions in files: "fraction_7".
+inline std::string FractionName(uint32_t label) { return "fraction_" + std::to_string(label); }
+
 // The values of voxels for one field, without gaps: bytes_of_voxel for each voxel, brick after brick, and within a
 // brick in lexicographic order of ijk.
 struct FieldValues {
   Field field = Field::kPart;         // the field that voxels carry
   std::vector<std::byte> bytes = {};  // little-endian
   size_t neighbors = 0;               // of a voxel, for a field with a number for each
+  std::vector<uint32_t> labels = {};  // likewise, in the order of a voxel's numbers
 
   // Returns the numbers of a voxel.
-  size_t components() const { return FactsOf(field).is_of_links() ? neighbors : FactsOf(field).components; }
+  size_t components() const {
+    const FieldFacts& facts = FactsOf(field);
+    return facts.is_of_links() ? neighbors : facts.is_of_labels() ? labels.size() : facts.components;
+  }
   // Returns the bytes of a voxel.
   size_t bytes_of_voxel() const {
     const NumberType type = FactsOf(field).type;

@@ -94,7 +94,10 @@ struct VoxelizeRequest {
   VoxelSet set = Surface{};                         // the lattice points to find
   std::vector<Field> fields = {};                   // carried by each of them, each once; the mesh must have its own
   bool signed_distance = false;                     // Field::kDistance is negative inside
-  uint32_t fraction_n = 0;  // for Field::kFraction: points along each axis of a cell, 2 to 16; otherwise 0
+  uint32_t fraction_n =
+      0;  // for fields that count points of cells: points along each axis of a cell, 2 to 16; otherwise 0
+  // For Field::kLabelFractions: the labels, each once, at most 32; none: all of the mesh, ascending.
+  std::vector<uint32_t> fraction_labels = {};
   // Only voxels whose centers lie in this box, exactly as in the whole; the lattice does not move.
   std::optional<WorldBox> bounds = std::nullopt;
   std::optional<RawMeshLayout> raw_mesh = std::nullopt;  // layout of the mesh's bytes; default: they are a Draco stream
@@ -157,6 +160,16 @@ struct Accepted {
   Placement placement = {};           // the one that was used
   std::vector<Vec3i> neighbors =
       {};  // lattice vectors, ascending, for a request with fields of links: see the protocol
+  std::vector<uint32_t> fraction_labels = {};  // for Field::kLabelFractions: of a voxel's numbers
+
+  // Returns values of no voxel for a field that voxels carry.
+  FieldValues NoValues(Field field) const {
+    const FieldFacts& facts = FactsOf(field);
+    return {field,
+            {},
+            facts.is_of_links() ? neighbors.size() : 0,
+            facts.is_of_labels() ? fraction_labels : std::vector<uint32_t>{}};
+  }
 };
 
 // 8 x 8 x 8 voxels; brick_ijk is ijk >> 3. Voxel (x, y, z) of the brick is bit (y<<3 | z) of word x.
@@ -238,6 +251,7 @@ struct Certificate {
   std::vector<FieldCertificate> fields = {};       // one for each of VoxelizeRequest.fields, in their order
   bool signed_distance = false;                    // as in the request
   uint32_t fraction_n = 0;                         // as in the request
+  std::vector<uint32_t> fraction_labels = {};      // as in Accepted
   bool whole_minimal = false;                      // `minimal` of the whole to which this part belongs
   std::optional<WalkFacts> walk = std::nullopt;    // for an enclosed set and a region
 };

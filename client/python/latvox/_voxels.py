@@ -69,7 +69,8 @@ class Bricks:
         """Returns the values of a field, (n,) or (n, components), in the order of ijk. A view of the answer's memory.
 
         part, material, triangle: uint32. color: (n, 3) uint8. distance: float32. point: (n, 2) float32. normal: (n, 3)
-        float32. fraction: uint16. links: (n, len(neighbors)) float32, and likewise link_triangles and link_crossings.
+        float32. fraction: uint16; label_fractions: (n, len(fraction_labels)) uint16. links: (n, len(neighbors))
+        float32, and likewise link_triangles and link_crossings.
         """
         return self._voxels.field(field)
 
@@ -107,6 +108,11 @@ class Bricks:
     def neighbors(self) -> np.ndarray:
         """(m, 3) int32: the lattice vectors to which the columns of fields of links belong; (0, 3) without such fields."""
         return np.array(self._voxels.neighbors(), np.int32).reshape(-1, 3)
+
+    @property
+    def fraction_labels(self) -> List[int]:
+        """The labels to which the columns of label_fractions belong; [] without that field."""
+        return list(self._voxels.fraction_labels())
 
     @property
     def progress(self) -> float:

@@ -145,9 +145,12 @@ absl::StatusOr<std::string> RunConvert(const ConvertOptions& options, const Canc
     if (auto status = Select(*options.fields, options.input, *content); !status.ok()) return status;
   }
   std::vector<Field> fields;
-  for (const FieldValues& values : content->fields) fields.push_back(values.field);
-  const GridFileInfo& info = content->file.info;
   Accepted accepted;
+  for (const FieldValues& values : content->fields) {
+    fields.push_back(values.field);
+    if (!values.labels.empty()) accepted.fraction_labels = values.labels;
+  }
+  const GridFileInfo& info = content->file.info;
   accepted.grid = info.transform;
   accepted.index_box = info.active_box;
   OutputOptions output_options = options.output_options;

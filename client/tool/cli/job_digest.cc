@@ -109,6 +109,7 @@ Json RequestJson(const VoxelizeRequest& request) {
   for (const Field field : request.fields) json["fields"].push_back(NameOf(field));
   if (request.signed_distance) json["signed"] = true;
   if (request.fraction_n != 0) json["fraction_n"] = request.fraction_n;
+  if (!request.fraction_labels.empty()) json["fraction_labels"] = request.fraction_labels;
   if (request.shard) json["shard"] = {request.shard->index, request.shard->count};
   if (const auto* enclosed = std::get_if<Enclosed>(&request.set)) {
     json["walk"] = {enclosed->close, OrNull(enclosed->leak_from)};

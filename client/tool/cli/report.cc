@@ -66,7 +66,8 @@ Json FieldsJson(const Certificate& certificate, const CarriedNames& names) {
   for (const auto& [field, digest] : certificate.fields) {
     Json& of_field = json[NameOf(field)] = {{"digest", digest}};
     if (field == Field::kDistance) of_field["signed"] = certificate.signed_distance;
-    if (field == Field::kFraction) of_field["n"] = certificate.fraction_n;
+    if (FactsOf(field).is_of_cell()) of_field["n"] = certificate.fraction_n;
+    if (FactsOf(field).is_of_labels()) of_field["labels"] = certificate.fraction_labels;
     if (!names.Of(field).empty()) of_field["names"] = names.Of(field);
   }
   return json;

@@ -25,26 +25,41 @@ const Names<Field>& FieldNames() {
   return *kNames;
 }
 
-// Removes the number of points from fraction:N. Returns false if it has none; other words have none.
+// Removes the number of points from fraction:N or label_fractions:N. Returns false if it has none; other words have
+// none.
 bool ConsumePoints(absl::string_view& word, uint32_t& points) {
-  const std::string name = NameOf(Field::kFraction);
-  if (word != name && !absl::StartsWith(word, name + ":")) return true;
+  const absl::string_view name = word.substr(0, word.find(':'));
+  if (name != NameOf(Field::kFraction) && name != NameOf(Field::kLabelFractions)) return true;
   const absl::string_view number = absl::StripPrefix(word.substr(name.size()), ":");
-  word = word.substr(0, name.size());
+  word = name;
   return ParseNumber(number, points);
 }
 
 std::string CheckFields(const std::string& text) {
   std::vector<absl::string_view> seen;
+  uint32_t points = 0;
   for (absl::string_view word : absl::StrSplit(text, ',')) {
-    uint32_t points = 0;
-    if (!ConsumePoints(word, points)) return "fraction needs a number of points along each axis, such as fraction:8";
+    const uint32_t before = points;
+    if (!ConsumePoints(word, points)) {
+      return absl::StrCat(word, " needs a number of points along each axis, such as ", word, ":8");
+    }
+    if (before != 0 && points != before) {
+      return absl::StrCat("fraction and label_fractions need the same number of points, not ", before, " and ", points);
+    }
     const auto has_name = [word](const auto& name) { return name.first == word; };
     if (std::none_of(FieldNames().begin(), FieldNames().end(), has_name)) {
       return absl::StrCat("\"", word, "\" is not one of ", absl::StrJoin(WordsOf(FieldNames()), ", "));
     }
     if (std::find(seen.begin(), seen.end(), word) != seen.end()) return absl::StrCat("\"", word, "\" is given twice");
     seen.push_back(word);
+  }
+  return "";
+}
+
+std::string CheckLabels(const std::string& text) {
+  for (const absl::string_view word : absl::StrSplit(text, ',')) {
+    uint32_t label = 0;
+    if (!ParseNumber(word, label)) return absl::StrCat("\"", word, "\" is not the number of a label");
   }
   return "";
 }
@@ -235,8 +250,8 @@ std::vector<OptionRow> FieldRows(VoxelizeWords& words) {
        .target = &words.fields,
        .help =
            "What each voxel carries: from its nearest triangle part, material, color, distance, triangle, point, "
-           "normal; for each neighbor links, link_triangles, link_crossings; fraction:N, how many of the N^3 points "
-           "of its cell are inside; or a list",
+           "normal; for each neighbor links, link_triangles, link_crossings; or a list. Of the N^3 points of its cell, "
+           "fraction:N counts those inside, and label_fractions:N those of each label",
        .value = "NAME,...",
        .checks = {{CheckFields}},
        .standard = "distance for a band, otherwise none"},
@@ -252,6 +267,12 @@ std::vector<OptionRow> FieldRows(VoxelizeWords& words) {
            "Labels that cover the others, numbers or names, the highest first; then all others, larger numbers first",
        .value = "LABEL,...",
        .checks = {{CheckPriority}}},
+      {.names = "--fraction-labels",
+       .target = &words.fraction_labels,
+       .help = "Labels whose label_fractions voxels carry, at most 32",
+       .value = "LABEL,...",
+       .checks = {{CheckLabels}},
+       .standard = "all of the mesh, ascending"},
       {.names = "--signed",
        .target = &words.is_signed,
        .help = "Make distances negative inside; the mesh must be closed"},
@@ -343,6 +364,7 @@ void InterpretFields(const VoxelizeWords& words, VoxelizeOptions& options) {
   } else if (std::holds_alternative<Band>(request.set)) {
     request.fields = {Field::kDistance};
   }
+  if (!words.fraction_labels.empty()) request.fraction_labels = NumbersOf(absl::StrSplit(words.fraction_labels, ','));
   InterpretBaseColors(words, options);
   if (const auto* const solid = std::get_if<Solid>(&request.set); solid != nullptr && solid->labels) {
     if (!CarriesField(request.fields, *solid->labels)) request.fields.push_back(*solid->labels);
@@ -352,7 +374,7 @@ void InterpretFields(const VoxelizeWords& words, VoxelizeOptions& options) {
   if (words.is_signed && !CarriesField(request.fields, Field::kDistance)) Refuse("--signed: needs --fields distance");
   if (request.fields.empty()) return CheckCarry({}, options.outputs);
   if (options.output_options.dense_npy && !FitsOneArray(request.fields)) {
-    Refuse("--npy: dense holds one field, and none of links; .npz holds all");
+    Refuse("--npy: dense holds one field, and none of links or labels; .npz holds all");
   }
   for (const Field field : request.fields) {
     if (FactsOf(field).is_of_mesh) options.mesh.attributes.push_back(field);

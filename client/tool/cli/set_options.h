@@ -1,5 +1,5 @@
 // The options of the set and of the fields: --set, --rule, --force-open, --seed, --close, --leak-from, --allow-outside,
-// --band, --side, --fields, --labels, --priority and --signed.
+// --band, --side, --fields, --labels, --priority, --fraction-labels and --signed.
 #ifndef LATVOX_CLIENT_TOOL_CLI_SET_OPTIONS_H_
 #define LATVOX_CLIENT_TOOL_CLI_SET_OPTIONS_H_
 

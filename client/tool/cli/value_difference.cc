@@ -44,7 +44,8 @@ bool ValueDifference::equal() const {
 std::vector<CommonField> CommonFields(const GridContent& a, const GridContent& b) {
   std::vector<CommonField> fields;
   for (const FieldValues& of_a : a.fields) {
-    if (const FieldValues* of_b = FindField(b.fields, of_a.field)) fields.push_back({&of_a, of_b});
+    const FieldValues* const of_b = FindField(b.fields, of_a.field);
+    if (of_b != nullptr && of_a.labels == of_b->labels) fields.push_back({&of_a, of_b});
   }
   return fields;
 }

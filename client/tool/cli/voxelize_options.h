@@ -46,7 +46,7 @@ struct VoxelizeWords : MeshWords {
   ShapeWords shape;
   std::string lattice, basis, voxel_size, resolution, origin, region, bounds, shard, quantization = "auto";
   std::string output_format, separability, algorithm, upload, encoding, set, rule, placement, band, side, fields,
-      labels, priority, alpha_cutoff;
+      labels, priority, fraction_labels, alpha_cutoff;
   std::string seed, close, leak_from;
   bool force_open = false, is_signed = false, allow_outside = false;
   std::optional<bool> minimal;

@@ -150,6 +150,7 @@ bool IsBoxOf(const std::vector<Brick>& bricks, const IndexBox& box) {
 bool AreValues(const FieldValues& values, uint64_t voxels) {
   const FieldFacts& facts = FactsOf(values.field);
   if (facts.is_of_links()) return false;  // no grid holds them
+  if (facts.is_of_labels() == values.labels.empty() || values.labels.size() > kMostFractionLabels) return false;
   const size_t bytes = values.bytes_of_voxel();
   if (values.bytes.size() / bytes != voxels || values.bytes.size() % bytes != 0) return false;
   const auto is_finite = [](float x) { return std::isfinite(x); };
@@ -198,6 +199,7 @@ void SendContent(const absl::StatusOr<GridContent>& content, const SendBytes& se
   for (const FieldValues& values : content->fields) {
     sender.Put(values.field);
     sender.PutAll(values.bytes);
+    sender.PutAll(values.labels);
   }
 }
 
@@ -214,7 +216,8 @@ absl::StatusOr<GridContent> ReceiveContent(bool facts_alone, const ReceiveBytes&
   for (auto left = receiver.Get<uint64_t>(); receiver.status().ok() && left > 0; --left) {
     const auto field = receiver.Get<Field>();
     receiver.Require(static_cast<size_t>(field) < kFields.size());
-    content.fields.push_back({field, receiver.GetAll<std::vector<std::byte>>()});
+    auto bytes = receiver.GetAll<std::vector<std::byte>>();
+    content.fields.push_back({field, std::move(bytes), 0, receiver.GetAll<std::vector<uint32_t>>()});
   }
   if (!receiver.status().ok()) return receiver.status();
   if (!facts_alone && !IsContent(content)) return Nonsense();

@@ -32,6 +32,7 @@ DenseFields::DenseFields(const std::vector<Field>& fields, DenseOrder order, con
 absl::Status DenseFields::Begin(const Accepted& accepted, const std::string& target) {
   target_ = target;
   grid_ = accepted.grid;
+  for (FieldValues& values : fields_) values = accepted.NoValues(values.field);
   std::optional<IndexBox> box = accepted.index_box;
   if (shape_.dims) {
     box = IndexBox{{0, 0, 0}, *shape_.dims};  // their number is certain, their place is not
@@ -73,12 +74,17 @@ std::vector<DenseArray> DenseFields::Arrays() const {
   for (const FieldValues& values : fields_) {
     const FieldFacts& facts = FactsOf(values.field);
     if (facts.is_of_links()) continue;
-    std::string empty;
-    for (size_t n = 0; n < facts.components; ++n) empty += EmptyOf(facts.type);
-    arrays.push_back({facts.name, facts.type, facts.components, empty,
-                      [&values, bytes = values.bytes_of_voxel()](uint64_t n, char* to) {
-                        std::memcpy(to, BytesAt(values, n), bytes);
-                      }});
+    const auto add = [&](const std::string& name, size_t first, size_t components) {
+      std::string empty;
+      for (size_t n = 0; n < components; ++n) empty += EmptyOf(facts.type);
+      const size_t skipped = first * EmptyOf(facts.type).size();
+      arrays.push_back(
+          {name, facts.type, components, empty, [&values, skipped, bytes = empty.size()](uint64_t n, char* to) {
+             std::memcpy(to, BytesAt(values, n) + skipped, bytes);
+           }});
+    };
+    if (!facts.is_of_labels()) add(facts.name, 0, facts.components);
+    for (size_t n = 0; n < values.labels.size(); ++n) add(FractionName(values.labels[n]), n, 1);
   }
   return arrays;
 }

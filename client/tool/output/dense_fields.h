@@ -43,7 +43,8 @@ class DenseFields {
   absl::Status Finish();
 
   // Returns `data`, uint8, 1 for a voxel and 0 elsewhere; then an array for each field except those of links, with the
-  // field's name. Where there is no voxel, floats are NaN, int32 are -1, and other numbers 0.
+  // field's name, or one for each label, with FractionName. Where there is no voxel, floats are NaN, int32 are -1, and
+  // other numbers 0.
   std::vector<DenseArray> Arrays() const;
 
   DenseBox& box() { return box_; }

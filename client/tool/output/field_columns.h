@@ -15,7 +15,8 @@
 namespace latvox::client {
 
 struct FieldColumns {
-  std::array<const char*, 3> names;  // one for each component; the rest are null; for links, the beginning of each
+  // One for each component; the rest are null. For links, the beginning of each. For labels, none: see FractionName.
+  std::array<const char*, 3> names;
 };
 
 // In the order of kFields. A new field is one more row.
@@ -29,15 +30,21 @@ inline constexpr std::array<FieldColumns, kFields.size()> kFieldColumns{{{{"part
                                                                          {{"link"}},
                                                                          {{"link_triangle"}},
                                                                          {{"link_crossings"}},
-                                                                         {{"fraction"}}}};
+                                                                         {{"fraction"}},
+                                                                         {}}};
 
-// Returns the names of a field's columns. Those of links end in the neighbor's lattice vector: link_-1_0_1.
-inline std::vector<std::string> ColumnsOf(Field field, const std::vector<Vec3i>& neighbors) {
+// Returns the names of a field's columns. Those of links end in the neighbor's lattice vector: link_-1_0_1. Those of
+// labels end in the label: fraction_7.
+inline std::vector<std::string> ColumnsOf(Field field, const Accepted& accepted) {
   std::vector<std::string> columns;
   const auto& names = kFieldColumns[static_cast<size_t>(field)].names;
-  for (size_t n = 0; n < FactsOf(field).components; ++n) columns.emplace_back(names[n]);
-  if (!FactsOf(field).is_of_links()) return columns;
-  for (const Vec3i& q : neighbors) columns.push_back(absl::StrCat(names[0], "_", absl::StrJoin(q, "_")));
+  if (FactsOf(field).is_of_links()) {
+    for (const Vec3i& q : accepted.neighbors) columns.push_back(absl::StrCat(names[0], "_", absl::StrJoin(q, "_")));
+  } else if (FactsOf(field).is_of_labels()) {
+    for (const uint32_t label : accepted.fraction_labels) columns.push_back(FractionName(label));
+  } else {
+    for (size_t n = 0; n < FactsOf(field).components; ++n) columns.emplace_back(names[n]);
+  }
   return columns;
 }
 

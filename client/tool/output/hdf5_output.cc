@@ -53,7 +53,7 @@ class Hdf5Output final : public Output {
       file_ = {hdf5_->H5Fcreate("latvox", kTruncate, H5P_DEFAULT, access.get()), hdf5_->H5Fclose};
     }
     if (!file_.ok()) return Failed();
-    MakeArrays(accepted.neighbors);
+    MakeArrays(accepted);
     return absl::OkStatus();
   }
 
@@ -107,7 +107,7 @@ class Hdf5Output final : public Output {
     return {hdf5_->H5Gcreate2(place, name, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), hdf5_->H5Gclose};
   }
 
-  void MakeArrays(const std::vector<Vec3i>& neighbors) {
+  void MakeArrays(const Accepted& accepted) {
     const Hdf5Id sets = Group(file_.get(), "sets"), voxels = Group(sets.get(), "voxels");
     ijk_.emplace(*hdf5_, voxels.get(), Hdf5Form{"ijk", hdf5_->H5T_STD_I32LE_g, 4, 3});
     brick_ijk_.emplace(*hdf5_, voxels.get(), Hdf5Form{"brick_ijk", hdf5_->H5T_STD_I32LE_g, 4, 3});
@@ -119,9 +119,9 @@ class Hdf5Output final : public Output {
       Rows& rows = fields_.emplace_back();
       if (facts.is_of_links()) continue;
       const auto [type, bytes] = TypeOf(facts.type);
-      rows.emplace(*hdf5_, fields.get(), Hdf5Form{facts.name, type, bytes, facts.components});
+      rows.emplace(*hdf5_, fields.get(), Hdf5Form{facts.name, type, bytes, accepted.NoValues(field).components()});
     }
-    if (CarriesLinks(request_.fields)) MakeLinks(neighbors);
+    if (CarriesLinks(request_.fields)) MakeLinks(accepted.neighbors);
   }
 
   void MakeLinks(const std::vector<Vec3i>& neighbors) {

@@ -19,7 +19,8 @@ namespace latvox::client {
 //   /sets/voxels/ijk        int32, n x 3
 //   /sets/voxels/brick_ijk, brick_mask, brick_first
 //                           int32, m x 3; uint64, m x 8; uint64, m: see Brick; the row of its first voxel
-//   /fields/NAME            n, or n x components: types as in numpy, see NumpyTypeOf
+//   /fields/NAME            n, or n x components: types as in numpy, see NumpyTypeOf; those of label_fractions have the
+//                           order of latvox_fraction_labels
 //   /links                  with fields of links, one row for each crossed link:
 //     neighbors             int32, K x 3: lattice vectors
 //     voxel, neighbor       uint64, L: row of its voxel; uint8, L: row of `neighbors`

@@ -34,7 +34,7 @@ namespace {
 
 class GridOutput final : public Output {
  public:
-  using NewGrid = std::function<Vdb::NewGrid(const Vdb&, const GridTransform&)>;
+  using NewGrid = std::function<Vdb::NewGrid(const Vdb&, const Accepted&)>;
 
   GridOutput(std::unique_ptr<AtomicFile> file, VdbFormat format, VoxelizeRequest request, MeshNote note,
              NewGrid new_grid)
@@ -48,7 +48,7 @@ class GridOutput final : public Output {
   absl::Status Begin(const Accepted& accepted) override {
     const auto vdb = Vdb::Load();
     if (!vdb.ok()) return vdb.status();
-    auto grid = new_grid_(**vdb, accepted.grid);
+    auto grid = new_grid_(**vdb, accepted);
     if (!grid.ok()) return Named(grid.status());
     grid_ = *std::move(grid);
     note_.facts = accepted.mesh;
@@ -84,13 +84,16 @@ class GridOutput final : public Output {
 // Returns what makes the grid of a file. A band with distances alone is a level set, as far as it is one.
 GridOutput::NewGrid NewGridFor(const VoxelizeRequest& request) {
   const std::vector<Field>& fields = request.fields;
-  if (fields.empty()) return &Vdb::NewVoxelGrid;
+  if (fields.empty()) return [](const Vdb& vdb, const Accepted& accepted) { return vdb.NewVoxelGrid(accepted.grid); };
   const auto* const band = std::get_if<Band>(&request.set);
   if (band == nullptr || fields != std::vector<Field>{Field::kDistance}) {
-    return [fields](const Vdb& vdb, const GridTransform& grid) { return vdb.NewFieldGrids(grid, fields); };
+    return [fields](const Vdb& vdb, const Accepted& accepted) {
+      return vdb.NewFieldGrids(accepted.grid, fields, accepted.fraction_labels);
+    };
   }
   const bool whole = !request.region && !request.bounds && !request.shard;
-  return [band = *band, is_signed = request.signed_distance, whole](const Vdb& vdb, const GridTransform& grid) {
+  return [band = *band, is_signed = request.signed_distance, whole](const Vdb& vdb, const Accepted& accepted) {
+    const GridTransform& grid = accepted.grid;
     const double width = band.in_voxels ? band.width * grid.voxel_size : band.width;
     return vdb.NewDistanceGrid(grid, width, is_signed, whole);
   };
@@ -177,8 +180,8 @@ enum class Holds {
   kNone,
   kColor,
   kPainted,  // one that gives each voxel a color: color, material, or part
-  kOne,      // one whose size does not depend on the lattice
-  kFixed,    // all those
+  kOne,      // one with a fixed size
+  kFixed,    // all except those of links
   kLinks,    // all others, and nothing without one
   kAll,
 };
@@ -245,7 +248,9 @@ std::string ExtensionOf(const std::string& path) {
   return absl::AsciiStrToLower(std::filesystem::path(path).extension().string());
 }
 
-bool FitsOneArray(const std::vector<Field>& fields) { return fields.size() <= 1 && !CarriesLinks(fields); }
+bool FitsOneArray(const std::vector<Field>& fields) {
+  return fields.size() <= 1 && !CarriesLinks(fields) && !CarriesField(fields, Field::kLabelFractions);
+}
 
 std::vector<std::string> ExtensionsFor(const std::vector<Field>& fields) {
   std::vector<std::string> extensions;

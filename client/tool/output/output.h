@@ -57,7 +57,8 @@ struct OutputOptions {
 // one.
 std::string ExtensionOf(const std::string& path);
 
-// Returns whether an array with one element per lattice point can hold the fields: none, or one that is not of links.
+// Returns whether an array with one element per lattice point can hold the fields: none, or one that is neither of
+// links nor of labels.
 bool FitsOneArray(const std::vector<Field>& fields);
 
 // Returns the extensions that OpenOutput supports, with the dot.
@@ -97,7 +98,8 @@ std::optional<Warning> WarningOfPlace(const std::vector<std::string>& paths);
 //   .vti, .vtu, .cells.vtu   cells of a box, points, and Voronoi cells: see client/tool/output/vtk_output.h
 //   .nrrd, .mha, .mhd, .nii, .nii.gz   images in space, see client/tool/output/image_output.h
 // A request with fields needs one of ExtensionsFor: fields of links fit .csv, .npy, .npz, .ply and .vtu alone. Columns
-// are those of client/tool/output/field_columns.h:
+// are those of client/tool/output/field_columns.h. label_fractions is an array, a grid, a column or a member for each
+// label, with FractionName:
 //   .vdb, .nvdb   one more grid for each, see latvox/grid/field_grids.h; a band with distances alone, see
 //          distance_grid.h
 //   .csv   further columns, floats with 9 significant digits; part_name, material_name, if there are names

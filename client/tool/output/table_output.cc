@@ -27,8 +27,7 @@ class TableOutput : public Output {
       : fields_(fields), file_(std::move(file)) {}
 
   absl::Status Begin(const Accepted& accepted) final {
-    grid_ = accepted.grid;
-    neighbors_ = accepted.neighbors;
+    accepted_ = accepted;
     return file_->Append(Header(0));
   }
 
@@ -37,7 +36,7 @@ class TableOutput : public Output {
     for (const Brick& brick : batch.bricks) {
       rows_.clear();
       ForEachVoxel(brick, [&](const Vec3i& ijk) {
-        AppendRow(ijk, grid_.ToWorld(ijk), batch.fields, voxel++, rows_);
+        AppendRow(ijk, accepted_.grid.ToWorld(ijk), batch.fields, voxel++, rows_);
         ++voxels_;
       });
       if (auto status = file_->Append(rows_); !status.ok()) return status;
@@ -54,7 +53,7 @@ class TableOutput : public Output {
 
  protected:
   const std::vector<Field> fields_;
-  std::vector<Vec3i> neighbors_;  // for fields of links
+  Accepted accepted_;
 
  private:
   using Fields = std::span<const FieldValues>;
@@ -64,7 +63,6 @@ class TableOutput : public Output {
                          std::string& rows) const = 0;
 
   std::unique_ptr<AtomicFile> file_;
-  GridTransform grid_;
   std::string rows_;
   uint64_t voxels_ = 0;
 };
@@ -79,11 +77,11 @@ void AppendBinary(std::span<const FieldValues> fields, size_t voxel, std::string
 }
 
 // Joins one text for each component of each field.
-std::string ForEachColumn(const std::vector<Field>& fields, const std::vector<Vec3i>& neighbors,
+std::string ForEachColumn(const std::vector<Field>& fields, const Accepted& accepted,
                           const std::function<std::string(Field field, const std::string& name)>& text_of) {
   std::string text;
   for (const Field field : fields) {
-    for (const std::string& name : ColumnsOf(field, neighbors)) text += text_of(field, name);
+    for (const std::string& name : ColumnsOf(field, accepted)) text += text_of(field, name);
   }
   return text;
 }
@@ -132,7 +130,7 @@ class CsvOutput final : public TableOutput {
  private:
   std::string Header(uint64_t) const override {
     const auto column = [](Field, const std::string& name) { return absl::StrCat(",", name); };
-    return absl::StrCat("i,j,k,x,y,z", ForEachColumn(fields_, neighbors_, column),
+    return absl::StrCat("i,j,k,x,y,z", ForEachColumn(fields_, accepted_, column),
                         absl::StrJoin(names_, "",
                                       [this](std::string* out, const auto& named) {
                                         absl::StrAppend(out, ",", NameOf(fields_[named.first]), "_name");
@@ -174,9 +172,16 @@ class NpyOutput final : public TableOutput {
     if (fields_.empty()) return NpyHeader("'<i4'", std::array<uint64_t, 2>{rows, 3});
     std::string type = "[('ijk', '<i4', (3,))";
     for (const Field field : fields_) {
-      const size_t components = ColumnsOf(field, neighbors_).size();
-      absl::StrAppend(&type, ", ('", NameOf(field), "', '", NumpyTypeOf(FactsOf(field).type), "'",
-                      components > 1 ? absl::StrCat(", (", components, ",)") : "", ")");
+      const std::vector<std::string> columns = ColumnsOf(field, accepted_);
+      const auto append = [&](const std::string& name, size_t components) {
+        absl::StrAppend(&type, ", ('", name, "', '", NumpyTypeOf(FactsOf(field).type), "'",
+                        components > 1 ? absl::StrCat(", (", components, ",)") : "", ")");
+      };
+      if (!FactsOf(field).is_of_labels()) {
+        append(NameOf(field), columns.size());
+      } else {
+        for (const std::string& column : columns) append(column, 1);
+      }
     }
     return NpyHeader(type + "]", std::array<uint64_t, 1>{rows});
   }
@@ -208,7 +213,7 @@ class PlyOutput final : public TableOutput {
                         std::string(20 - count.size(), ' '), "\nelement vertex ", count,
                         "\nproperty double x\nproperty double y\nproperty double z\n"
                         "property int i\nproperty int j\nproperty int k\n",
-                        ForEachColumn(fields_, neighbors_, property), "end_header\n");
+                        ForEachColumn(fields_, accepted_, property), "end_header\n");
   }
 
   void AppendRow(const Vec3i& ijk, const Vec3d& world, std::span<const FieldValues> fields, size_t voxel,

@@ -100,7 +100,7 @@ class VtuOutput final : public Output {
 
   absl::Status Begin(const Accepted& accepted) override {
     grid_ = accepted.grid;
-    for (FieldValues& values : fields_) values.neighbors = accepted.neighbors.size();
+    for (FieldValues& values : fields_) values = accepted.NoValues(values.field);
     return absl::OkStatus();
   }
 
@@ -117,7 +117,10 @@ class VtuOutput final : public Output {
     voxels_ = 0;
     for (const Brick& brick : bricks_) voxels_ += CountVoxels(brick);
     std::vector<VtkArray> data = {ForEach<Vec3i>("ijk", "Int32", 3, [](const Vec3i& ijk, uint64_t) { return ijk; })};
-    for (const FieldValues& values : fields_) data.push_back(Values(values));
+    for (const FieldValues& values : fields_) {
+      if (!FactsOf(values.field).is_of_labels()) data.push_back(Values(values));
+      for (size_t label = 0; label < values.labels.size(); ++label) data.push_back(Fractions(values, label));
+    }
     const VtkFile vtk = form_ == VtuForm::kPoints ? AsPoints(std::move(data)) : AsCells(std::move(data));
     if (auto status = WriteVtkFile(vtk, *file_); !status.ok()) return status;
     return file_->Sync();
@@ -214,6 +217,12 @@ class VtuOutput final : public Output {
     };
     return {NameOf(values.field), VtkTypeOf(FactsOf(values.field).type), values.components(), values.bytes.size(),
             next};
+  }
+
+  VtkArray Fractions(const FieldValues& values, size_t label) const {
+    const auto fraction = [all = values.As<uint16_t>(), labels = values.labels.size(), label](
+                              const Vec3i&, uint64_t n) { return all[n * labels + label]; };
+    return ForEach<uint16_t>(FractionName(values.labels[label]), "UInt16", 1, fraction);
   }
 
   std::unique_ptr<AtomicFile> file_;

@@ -78,12 +78,7 @@ void ColorStream::Count(const Brick& brick) {
 
 BrickBatch ColorStream::Convert(const BrickBatch& batch) {
   bricks_.clear();
-  fields_.resize(request_.fields.size());
-  for (size_t n = 0; n < fields_.size(); ++n) {
-    fields_[n].field = request_.fields[n];
-    fields_[n].bytes.clear();
-    if (FactsOf(request_.fields[n]).is_of_links()) fields_[n].neighbors = neighbors_;
-  }
+  for (FieldValues& values : fields_) values.bytes.clear();
   size_t number = 0;
   for (const Brick& brick : batch.bricks) {
     Brick kept{brick.brick_ijk, {}};

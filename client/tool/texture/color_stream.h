@@ -28,7 +28,7 @@ class ColorStream {
   // Call it first. The voxel size is the edge of the square that a voxel's color is the mean of.
   void Begin(const Accepted& accepted) {
     edge_ = accepted.grid.voxel_size;
-    neighbors_ = accepted.neighbors.size();
+    for (const Field field : request_.fields) fields_.push_back(accepted.NoValues(field));
   }
 
   // Returns the batch for the outputs, which may be empty. It is valid until the next call.
@@ -52,7 +52,6 @@ class ColorStream {
   const std::optional<double> alpha_cutoff_;
   const std::vector<Field> sent_;  // fields
   double edge_ = 0;
-  size_t neighbors_ = 0;
   std::vector<Brick> bricks_;        // of the batch
   std::vector<FieldValues> fields_;  // likewise
   Digest digest_;

@@ -50,8 +50,9 @@ class Module final : public Vdb {
   NewGrid NewDistanceGrid(const GridTransform& transform, double width, bool is_signed, bool whole) const override {
     return New<DistanceGrid>(transform, width, is_signed, whole);
   }
-  NewGrid NewFieldGrids(const GridTransform& transform, const std::vector<Field>& fields) const override {
-    return New<FieldGrids>(transform, fields);
+  NewGrid NewFieldGrids(const GridTransform& transform, const std::vector<Field>& fields,
+                        const std::vector<uint32_t>& fraction_labels) const override {
+    return New<FieldGrids>(transform, fields, fraction_labels);
   }
   absl::StatusOr<GridFileInfo> ReadInfo(std::istream& in, const std::string& path) const override {
     return ReadGridFileInfo(in, path);

@@ -6,6 +6,8 @@
 //   "distance"                      a grid of floats, world units
 //   "point"                         a grid of three floats: the two weights, and 0
 //   "normal"                        a grid of three floats: x, y, z
+//   "fraction"                      a grid of 32-bit integers
+//   "fraction_7", ...               for label_fractions, a grid of 32-bit integers for each label
 //
 // All have the same transform, metadata (with latvox_fields, their names, and latvox_part_digest and so on) and active
 // voxels. Elsewhere integers are -1, and floats 0. For a band with distances alone, see latvox/grid/distance_grid.h.
@@ -28,7 +30,9 @@ namespace latvox::client {
 class LATVOX_EXPORT FieldGrids {
  public:
   // Precondition: CheckGridTransform(transform) is OK.
-  FieldGrids(const GridTransform& transform, const std::vector<Field>& fields);
+  //   fraction_labels   see Accepted
+  FieldGrids(const GridTransform& transform, const std::vector<Field>& fields,
+             const std::vector<uint32_t>& fraction_labels = {});
   FieldGrids(FieldGrids&&) noexcept;             // the other one may then only be destroyed or assigned to
   FieldGrids& operator=(FieldGrids&&) noexcept;  // replaces this one
   ~FieldGrids();                                 // frees the grids

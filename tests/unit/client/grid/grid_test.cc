@@ -206,6 +206,7 @@ TEST_F(Grid, EveryFieldIsReadBackAsItWasWritten) {
   const Brick brick{{0, 0, -1}, {3}};
   std::vector<FieldValues> fields;
   std::vector<Field> names;
+  const std::vector<uint32_t> kLabels = {300, 7};
   for (const FieldFacts& row : kFields) {
     if (row.is_of_links()) continue;  // no grid holds them
     names.push_back(row.field);
@@ -214,13 +215,15 @@ TEST_F(Grid, EveryFieldIsReadBackAsItWasWritten) {
     } else if (row.type == NumberType::kUint32) {
       fields.push_back(ValuesOf<uint32_t>(row.field, {9, 0x7FFFFFFF, 0, 0, 0, 0}));
     } else if (row.type == NumberType::kUint16) {
-      fields.push_back(ValuesOf<uint16_t>(row.field, {4096, 511}));
+      fields.push_back(ValuesOf<uint16_t>(row.field, {4096, 511, 0, 3}));
     } else {
       fields.push_back(ValuesOf<uint8_t>(row.field, {0, 7, 255, 254, 1, 128}));
     }
+    if (row.is_of_labels()) fields.back().labels = kLabels;
     fields.back().bytes.resize(2 * fields.back().bytes_of_voxel());
   }
-  FieldGrids grids(kSkew, names);
+  FieldGrids grids(kSkew, names, kLabels);
+  grids.SetCertificate({.fields = {{Field::kLabelFractions, ""}}, .fraction_labels = kLabels});
   ASSERT_TRUE(grids.Add({{&brick, 1}, 1, fields}).ok());
   ASSERT_TRUE(grids.Write(Path("f.vdb")).ok());
   const auto content = ReadGridContent(Path("f.vdb"));

@@ -271,6 +271,43 @@ TEST(FieldsCall, FractionsAreUpToTheNumberOfPoints) {
   EXPECT_THAT(message(answers_with({0, 1, 2, 3, 7}, 3)), HasSubstr("fractions by 3 points instead of 2"));
 }
 
+TEST(FieldsCall, FractionsOfLabelsAreOfTheLabelsThatWereAskedFor) {
+  VoxelizeRequest asked;
+  asked.set = Solid{.labels = Field::kPart};
+  asked.fields = {Field::kLabelFractions};
+  asked.fraction_n = 2;
+  using Labels = std::vector<uint32_t>;
+  const auto call = [&](const Labels& accepted, const Labels& certified, uint16_t last) {
+    Answers answers = AnswersWith({{Bytes<uint16_t>({8, 0}), Bytes<uint16_t>({0, 1, 2, 3, 4, 4, 0, 0, 1, last})}});
+    v1::Certificate& certificate = *answers.summary.mutable_summary()->mutable_certificate();
+    certificate.set_set("solid");
+    certificate.clear_band();
+    certificate.set_signed_distance(false);
+    certificate.mutable_fields(0)->set_field(v1::FIELD_LABEL_FRACTIONS);
+    certificate.set_fraction_n(2);
+    for (const uint32_t label : accepted) answers.accepted.mutable_accepted()->add_fraction_labels(label);
+    for (const uint32_t label : certified) certificate.add_fraction_labels(label);
+    return Call(asked, answers.All());
+  };
+  const auto all = call({3, 7}, {3, 7}, 5);
+  ASSERT_TRUE(all.ok()) << all.status();
+  EXPECT_EQ(all->fields[0].labels, (Labels{3, 7}));
+  ForEachVoxel(*all, [](const Voxel& voxel) {
+    if (voxel.number == 5) EXPECT_THAT(voxel.Of<uint16_t>(Field::kLabelFractions), ElementsAre(1, 5));
+  });
+  const auto message = [&](const Labels& accepted, const Labels& certified, uint16_t last) {
+    return std::string(call(accepted, certified, last).status().message());
+  };
+  EXPECT_THAT(message({3, 7}, {3, 7}, 9), HasSubstr("the field label_fractions has the value 9"));
+  EXPECT_THAT(message({3, 7}, {3, 8}, 5), HasSubstr("fractions of other labels than Accepted has"));
+  EXPECT_THAT(message({7, 3}, {7, 3}, 5), HasSubstr("fractions of the labels 7,3"));
+  EXPECT_THAT(message({}, {}, 5), HasSubstr("0 labels of fractions"));
+  EXPECT_THAT(message(Labels(33), {}, 5), HasSubstr("33 labels of fractions, over 32"));
+  asked.fraction_labels = {7, 3};
+  EXPECT_TRUE(call({7, 3}, {7, 3}, 5).ok());
+  EXPECT_THAT(message({3, 7}, {3, 7}, 5), HasSubstr("fractions of the labels 3,7"));
+}
+
 // The first stream breaks after its first tile. The second one brings the rest, and counts and digests of the rest
 // alone.
 TEST(FieldsCall, AResumedStreamsDigestsAreThoseOfAll) {

@@ -1,0 +1,152 @@
+"""The field label_fractions: overlapping boxes by their volumes, and a phantom's organs, in every format that holds it."""
+
+import csv
+import json
+import unittest
+
+import numpy
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkIOXML import vtkXMLImageDataReader, vtkXMLUnstructuredGridReader
+
+from harness import Case, box, latvox, octahedron
+
+GRID = ["--voxel-size", "1", "--origin", "0,0,0", "--set", "supercover-solid", "--labels", "part"]
+# Low and high corners on quarters of voxels. The second box overlaps the first, the third lies within both.
+BODIES = {"base": ((0.25, 0.25, 0.25), (5.5, 4.75, 4)), "lid": ((3, 1, -1.5), (8.25, 6.5, 3.75)), "pin": ((3.5, 2, 0.5), (5, 3.25, 2))}
+
+
+def write_bodies(path, bodies):
+    """Writes meshes by name as objects of a .obj."""
+    lines, before = [], 1
+    for name, (vertices, triangles) in bodies.items():
+        lines += [f"o {name}"] + ["v " + " ".join(map(repr, map(float, v))) for v in vertices]
+        lines += ["f " + " ".join(str(v + before) for v in t) for t in triangles]
+        before += len(vertices)
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+def quarters(order):
+    """The number of points of a lattice with steps of 1/4 that each body has, if earlier ones cover later ones."""
+    points, taken = {}, set()
+    for name in order:
+        low, high = (tuple(round(4 * x) for x in corner) for corner in BODIES[name])
+        inside = {(i, j, k) for i in range(low[0], high[0]) for j in range(low[1], high[1]) for k in range(low[2], high[2])}
+        points[name] = len(inside - taken)
+        taken |= inside
+    return points
+
+
+def vtk_arrays(path, reader):
+    reader.SetFileName(str(path))
+    reader.Update()
+    data = reader.GetOutput().GetCellData() if path.suffix == ".vti" else reader.GetOutput().GetPointData()
+    names = [data.GetArrayName(n) for n in range(data.GetNumberOfArrays())]
+    return {name: vtk_to_numpy(data.GetArray(name)) for name in names}
+
+
+class LabelFractions(Case):
+    def setUp(self):
+        super().setUp()
+        self.mesh = write_bodies(self.dir / "boxes.obj", {name: box(*corners) for name, corners in BODIES.items()})
+
+    def table(self, name="out.csv", by_place=False):
+        """Returns the columns of fractions, in the file's order or by i, j and k."""
+        with (self.dir / name).open() as file:
+            rows = list(csv.DictReader(file))
+        if by_place:
+            rows.sort(key=lambda row: tuple(int(row[axis]) for axis in "ijk"))
+        return {column: numpy.array([int(row[column]) for row in rows]) for column in rows[0] if column.startswith("fraction")}
+
+    def test_of_boxes_are_their_volumes_by_priority(self):
+        for priority, order in (([], ["pin", "lid", "base"]), (["--priority", "base,lid"], ["base", "lid", "pin"])):
+            with self.subTest(order=order):
+                summary = self.voxelize(self.mesh, *GRID, *priority, "--fields", "fraction:4,label_fractions:4")
+                self.assertEqual((summary["fields"]["label_fractions"]["labels"], summary["fields"]["label_fractions"]["n"]),
+                                 ([0, 1, 2], 4))  # fmt: skip
+                table, points = self.table(), quarters(order)
+                self.assertEqual({name: table[f"fraction_{n}"].sum() for n, name in enumerate(BODIES)}, points)
+                together = sum(table[f"fraction_{n}"] for n in range(3))
+                numpy.testing.assert_array_equal(together, table["fraction"])
+
+    def test_every_format_has_an_array_for_each_label(self):
+        formats = [f"a.{end}" for end in ("npy", "npz", "vti", "vtu", "vdb", "h5", "nvdb")]
+        more = [word for name in formats for word in ("-o", self.dir / name)]
+        self.voxelize(self.mesh, *GRID, "--fields", "label_fractions:4", "--fraction-labels", "2,0,99", *more)
+        table = self.table()
+        self.assertEqual(list(table), ["fraction_2", "fraction_0", "fraction_99"])
+        self.assertEqual((table["fraction_2"].sum(), table["fraction_99"].max()), (quarters(["pin"])["pin"], 0))
+        npy = numpy.load(self.dir / "a.npy")
+        arrays = vtk_arrays(self.dir / "a.vtu", vtkXMLUnstructuredGridReader())
+        cells = vtk_arrays(self.dir / "a.vti", vtkXMLImageDataReader())
+        latvox("convert", self.dir / "a.vdb", "-o", self.dir / "b.csv")
+        placed, again = self.table(by_place=True), self.table("b.csv", by_place=True)
+        with numpy.load(self.dir / "a.npz") as dense:
+            for name, values in table.items():
+                numpy.testing.assert_array_equal(npy[name], values)
+                self.assertEqual((npy[name].dtype, dense[name].dtype), (numpy.uint16, numpy.uint16))
+                numpy.testing.assert_array_equal(arrays[name], values)
+                numpy.testing.assert_array_equal(dense[name][dense["data"] != 0], placed[name])
+                numpy.testing.assert_array_equal(cells[name], dense[name].ravel(order="F"))
+                numpy.testing.assert_array_equal(again[name], placed[name])
+        info = latvox("info", self.dir / "a.vdb").stdout
+        self.assertRegex(info, r"latvox_fraction_labels\W+2,0,99")
+        self.assertIn('"fraction_labels":[2,0,99]', info)
+        compared = latvox("compare", self.dir / "a.vdb", self.dir / "a.vdb")
+        self.assertEqual(compared.returncode, 0, compared.stderr)
+
+    def test_a_batch_and_parts_are_as_the_whole(self):
+        options = ["--resolution", "90", "--lattice", "bcc", "--set", "solid", "--labels", "part"]
+        fields = ["--fields", "label_fractions:3", "--fraction-labels", "1,2"]
+        whole = self.voxelize(self.mesh, *options, *fields, out="whole.csv")
+        parts = set()
+        for part in ("0/3", "1/3", "2/3"):
+            self.voxelize(self.mesh, *options, *fields, "--shard", part)
+            parts |= set((self.dir / "out.csv").read_text().splitlines())
+        self.assertEqual(parts, set((self.dir / "whole.csv").read_text().splitlines()))
+        line = {"mesh": str(self.mesh), "out": "b.csv", "resolution": 90, "lattice": "bcc", "set": "solid", "labels": "part",
+                "fields": ["label_fractions:3"], "fraction_labels": [1, 2]}  # fmt: skip
+        (self.dir / "jobs.jsonl").write_text(json.dumps(line) + "\n")
+        done = latvox("batch", self.dir / "jobs.jsonl", "--out", self.dir / "out")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        result = json.loads((self.dir / "out/results.jsonl").read_text())
+        self.assertEqual(result["summary"]["fields"], whole["fields"])
+
+    def test_organs_of_a_phantom_fill_its_body(self):
+        organs = {"body": 20, "heart": 9, "lung": 12}
+        meshes = {name: ([(x + 3 * n, y, z) for x, y, z in octahedron(side)[0]], octahedron(side)[1])
+                  for n, (name, side) in enumerate(organs.items())}  # fmt: skip
+        phantom = write_bodies(self.dir / "phantom.obj", meshes)
+        for lattice in ("cartesian", "bcc", "fcc"):
+            with self.subTest(lattice):
+                options = ["--resolution", "40", "--lattice", lattice, "--set", "supercover-solid", "--rule", "winding"]
+                self.voxelize(phantom, *options, "--priority", "heart", "--labels", "part", "--fields", "label_fractions:4", out="labels.csv")
+                self.voxelize(phantom, *options, "--fields", "fraction:4", out="plain.csv")
+                table = self.table("labels.csv")
+                self.assertGreater(min(values.sum() for values in table.values()), 0)
+                numpy.testing.assert_array_equal(sum(table.values()), self.table("plain.csv")["fraction"])
+
+    def test_what_does_not_fit_is_refused(self):
+        holds = ".vdb .nvdb .csv .npy .npz .ply .png .html .vti .vtu .cells.vtu .h5 can"
+        for more, status, says in (
+            (["--fields", "label_fractions"], 2, "label_fractions needs a number of points along each axis, such as label_fractions:8"),
+            (["--fields", "label_fractions:1"], 3, "fraction_n 1 is below 2"),
+            (["--fields", "fraction:2", "--fraction-labels", "1"], 3, "fraction_labels: needs label_fractions among fields"),
+            (["--fields", "label_fractions:2", "--fraction-labels", "1,x"], 2, '"x" is not the number of a label'),
+            (["--fields", "label_fractions:2", "--fraction-labels", "1,1"], 3, "fraction_labels 1 occurs twice"),
+            (["--fields", "label_fractions:2", "--fraction-labels", ",".join(map(str, range(33)))], 3,
+             "fraction_labels: 33 labels exceed 32"),
+            (["--fields", "label_fractions:2", "--force-open"], 2, "not together with solid.force_open true"),
+            (["--fields", "label_fractions:2", "-o", "a.nrrd"], 2, f"a.nrrd cannot hold label_fractions,part; {holds}"),
+            (["--fields", "label_fractions:2", "-o", "a.npy", "--npy", "dense"], 2, "none of links or labels; .npz holds all"),
+        ):  # fmt: skip
+            with self.subTest(more=more):
+                done = latvox("voxelize", self.mesh, *GRID, "--json", "-o", "a.csv", *more, cwd=self.dir)
+                self.assertEqual(done.returncode, status, done.stderr)
+                self.assertIn(says, done.stderr.replace('\\"', '"'))
+        done = latvox("voxelize", self.mesh, "--json", "--set", "solid", "--fields", "label_fractions:2", "-o", "a.csv", cwd=self.dir)
+        self.assertEqual((done.returncode, "fields label_fractions: needs solid.labels" in done.stderr), (3, True), done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
