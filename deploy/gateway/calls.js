@@ -1,7 +1,8 @@
 // The calls in progress: how many there may be, how large they may be, and a line of the log for each.
 import { Code } from '@connectrpc/connect';
 
-const nameOf = (code) =>
+// Returns the code's name in gRPC.
+export const nameOf = (code) =>
   Code[code]
     .replace(/(?<=[a-z])(?=[A-Z])/g, '_')
     .toUpperCase()
@@ -47,7 +48,8 @@ class Call {
   close() {
     clearTimeout(this.timer);
     this.calls.leave(this);
-    const { error, response } = this;
+    const { error, response } = this,
+      milliseconds = performance.now() - this.start;
     const code = error
       ? nameOf(error.code)
       : !response.writableFinished && response.stream?.rstCode !== 0
@@ -58,8 +60,17 @@ class Call {
       code,
       bytes_in: this.bytesIn,
       bytes_out: this.bytesOut,
-      total_ms: (performance.now() - this.start).toFixed(3),
+      total_ms: milliseconds.toFixed(3),
     };
+    const { bytesIn, bytesOut } = this;
+    this.calls.metrics?.count({
+      method: this.origin.method,
+      code,
+      reason: error?.reason,
+      bytesIn,
+      bytesOut,
+      seconds: milliseconds / 1000,
+    });
     const level =
       code === 'INTERNAL' ? 'error' : /GetLimits|Check/.test(this.origin.method) && code === 'OK' ? 'debug' : 'info';
     this.calls.log.write(level, 'request', { ...facts, error: error?.rawMessage });
@@ -73,8 +84,8 @@ class Call {
 }
 
 export class Calls {
-  constructor(options, protocol, log) {
-    Object.assign(this, { options, protocol, log, running: new Set(), bytes: 0, stopping: false });
+  constructor({ options, protocol, log, metrics }) {
+    Object.assign(this, { options, protocol, log, metrics, running: new Set(), bytes: 0, stopping: false });
   }
 
   // Returns { call } or { call, error }. A body of unknown length counts as the largest.

@@ -21,9 +21,9 @@ const ALLOWED = [
 const EXPOSED = ['grpc-status', 'grpc-message', 'grpc-status-details-bin', ...PASSED_DOWN];
 
 export class Gateway {
-  constructor({ options, protocol, upstreams, log, pages }) {
-    Object.assign(this, { options, protocol, upstreams, log, pages });
-    this.calls = new Calls(options, protocol, log);
+  constructor({ options, protocol, upstreams, log, pages, metrics }) {
+    Object.assign(this, { options, protocol, upstreams, log, pages, metrics });
+    this.calls = new Calls({ options, protocol, log, metrics });
     this.ending = new AbortController();
     setMaxListeners(2 * options['max-calls'] + 10, this.ending.signal); // each call listens
     // latvoxd takes no compressed messages either, because meshes and bricks are compressed already.
@@ -49,6 +49,7 @@ export class Gateway {
         )
       : http.createServer({ headersTimeout: 10_000 }, handle);
     this.server.maxConnections = options['max-connections'];
+    metrics?.observe(this);
   }
 
   async listen() {
@@ -177,6 +178,7 @@ export class Gateway {
     if (left > 0) await new Promise((resolve) => setTimeout(resolve, 200));
     this.server.closeAllConnections?.();
     this.upstreams.close();
+    this.metrics?.close();
     return left;
   }
 }

@@ -4,6 +4,7 @@ import { readFileSync } from 'node:fs';
 import { fileURLToPath } from 'node:url';
 import { Gateway } from './gateway.js';
 import { Log } from './log.js';
+import { Metrics } from './metrics.js';
 import { help, readOptions } from './options.js';
 import { Pages } from './pages.js';
 import { Protocol } from './refusals.js';
@@ -24,22 +25,25 @@ function parts() {
   }
   const file = options.protocol ?? fileURLToPath(new URL('protocol.binpb', import.meta.url));
   const log = new Log(options['log-level'], options['log-format']);
+  const protocol = new Protocol(readFileSync(file));
   return {
     options,
     log,
-    protocol: new Protocol(readFileSync(file)),
+    protocol,
+    metrics: options['metrics-listen'] && new Metrics(protocol),
     upstreams: new Upstreams(options, log),
     pages: new Pages(),
   };
 }
 
+const named = ({ address, port }) => (address.includes(':') ? `[${address}]:${port}` : `${address}:${port}`);
+
 let gateway;
 try {
   gateway = new Gateway(parts());
-  const { address, port } = await gateway.listen();
-  gateway.log.write('info', 'listening', {
-    address: address.includes(':') ? `[${address}]:${port}` : `${address}:${port}`,
-  });
+  const { metrics, log, options } = gateway;
+  if (metrics) log.write('info', 'metrics', { address: named(await metrics.serve(options['metrics-listen'])) });
+  log.write('info', 'listening', { address: named(await gateway.listen()) });
 } catch (error) {
   die(error.message);
 }

@@ -71,6 +71,7 @@ const OPTIONS = {
   'upstream-cert': ['FILE', text, null, 'Certificate (PEM) to show to --upstream'],
   'upstream-key': ['FILE', text, null, 'Key of --upstream-cert (PEM)'],
   'cors-origin': ['ORIGIN,...', origins, [], 'Origins whose pages may call, or *'],
+  'metrics-listen': ['HOST:PORT', tcp, null, 'Address of /metrics for Prometheus, in plain text'],
   'max-body': ['SIZE', size, '6MiB', 'Largest body of a request; a message of 4 MiB takes 5.4 MiB as JSON'],
   'max-bodies': ['SIZE', size, '256MiB', 'Bodies of all requests at once'],
   'max-calls': ['N', whole(1, 100000), '256', 'Calls at once'],

@@ -9,6 +9,16 @@ import { setTrailerStatus } from '@connectrpc/connect/protocol-grpc';
 // Metadata of latvoxd's answers that callers get.
 export const PASSED_DOWN = ['traceparent', 'grpc-retry-pushback-ms'];
 
+// The reasons of all errors of the gateway's own.
+export const REASONS = [
+  'LIMIT_EXCEEDED',
+  'MEMORY_IN_USE',
+  'SERVER_STOPPING',
+  'TOO_MANY_JOBS',
+  'UNAVAILABLE',
+  'UNIMPLEMENTED',
+];
+
 // The messages of protocol.binpb.
 export class Protocol {
   constructor(bytes) {
@@ -29,13 +39,13 @@ export class Protocol {
     return { type, value, ...(schema && { debug: toJson(schema, fromBinary(schema, value)) }) };
   }
 
-  // Returns an error with an ErrorInfo. With `seconds`, another try after them may help.
+  // Returns an error with an ErrorInfo, whose `reason` is one of REASONS. With `seconds`, another try after them may help.
   error(code, reason, message, metadata = {}, seconds = null) {
     const error = new ConnectError(message, code);
     error.details.push(this.detail('google.rpc.ErrorInfo', { domain: 'latvox', reason, metadata }));
     if (seconds !== null)
       error.details.push(this.detail('google.rpc.RetryInfo', { retryDelay: { seconds: BigInt(seconds) } }));
-    return error;
+    return Object.assign(error, { reason });
   }
 
   limit(field, value, limit, name) {

@@ -100,6 +100,12 @@ export class Upstreams {
     upstream.downUntil = Date.now() + PAUSE;
   }
 
+  // Returns the number of servers that get no calls, because they could not be reached.
+  down() {
+    const now = Date.now();
+    return [...this.servers.values()].filter(({ downUntil }) => downUntil > now).length;
+  }
+
   close() {
     clearInterval(this.timer);
     for (const upstream of this.servers.values()) upstream.close();

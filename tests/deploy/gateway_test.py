@@ -17,6 +17,7 @@ from gateway import GATEWAY, ROOT, SERVICE, gateway, raw
 sys.path.insert(0, str(ROOT / "tests" / "e2e"))
 
 import harness  # noqa: E402
+import metrics_test  # noqa: E402
 from harness import Case, latvox, octahedron, write_obj  # noqa: E402
 from tls_test import Authority  # noqa: E402
 
@@ -314,6 +315,80 @@ class Limits(GatewayCase):
             self.assertEqual(urlopen(running.url + "/healthz"), (200, "serving\n"))
             with harness.server(self.dir):
                 self.assertEqual(running.post("GetLimits", {})[0], 200)
+
+
+class Metrics(GatewayCase):
+    def scrape(self, running):
+        """Returns the text that Prometheus reads."""
+        address = running.await_log(r"event=metrics address=(\S+)")
+        return urlopen(f"http://{address}/metrics")[1]
+
+    def test_they_count_what_happened(self):
+        limits = ["--max-body", "10KiB", "--metrics-listen", "127.0.0.1:0"]
+        with harness.server(self.dir) as server, gateway(self.dir, server.address, *limits) as running:
+            self.upload(running)
+            running.post("Pixelize", DRAWING)
+            running.post("Pixelize", {**DRAWING, "resolution": 0})
+            running.post("Pixelize", None, body=b" " * 20000)
+            running.post("Voxelize", {})
+            before = metrics_test.samples(self.scrape(running))
+            connection = self.stalled(running)
+            during = metrics_test.samples(self.scrape(running))
+            connection.close()
+            running.await_log("method=VoxelizeStored .*code=CANCELLED")
+            after = metrics_test.samples(self.scrape(running))
+        wanted = {
+            'requests_total{code="OK",method="Pixelize"}': 1,
+            'requests_total{code="INVALID_ARGUMENT",method="Pixelize"}': 1,
+            'requests_total{code="RESOURCE_EXHAUSTED",method="Pixelize"}': 1,
+            'requests_total{code="UNIMPLEMENTED",method="Voxelize"}': 1,
+            'requests_total{code="INTERNAL",method="VoxelizeStored"}': 0,
+            'request_duration_seconds_count{method="Pixelize"}': 1,
+            'rejections_total{reason="LIMIT_EXCEEDED"}': 1,
+            'rejections_total{reason="UNIMPLEMENTED"}': 1,
+            'rejections_total{reason="TOO_MANY_JOBS"}': 0,
+            "calls_running{}": 0,
+            "calls_max{}": 256,
+            "body_limit_bytes{}": 256 << 20,
+            "connections_max{}": 1024,
+            "upstreams{}": 1,
+            "upstreams_down{}": 0,
+        }
+        self.assertEqual({name: before.get(f"latvox_gateway_{name}") for name in wanted}, wanted)
+        sent = len(json.dumps(DRAWING)) + len(json.dumps({**DRAWING, "resolution": 0}))
+        self.assertEqual(before['latvox_gateway_received_bytes_total{method="Pixelize"}'], sent)
+        self.assertGreater(before['latvox_gateway_sent_bytes_total{method="Pixelize"}'], 100)
+        self.assertGreater(before["process_resident_memory_bytes{}"], 20 << 20)
+        self.assertEqual((during["latvox_gateway_calls_running{}"], during["latvox_gateway_connections{}"]), (1, 1))
+        self.assertGreater(during["latvox_gateway_body_bytes{}"], 100)
+        self.assertEqual(after['latvox_gateway_requests_total{code="CANCELLED",method="VoxelizeStored"}'], 1)
+        self.assertGreater(after['latvox_gateway_sent_bytes_total{method="VoxelizeStored"}'], 4096)
+
+    def test_the_page_of_operators_the_dashboard_and_the_rules_name_those_that_are_there(self):
+        with gateway(self.dir, f"unix:{self.dir}/none", "--metrics-listen", "127.0.0.1:0") as running:
+            text = self.scrape(running)
+            self.assertEqual(urlopen(running.url + "/metrics")[0], 404, "they have a port of their own")
+        ours = set(re.findall(r"^# TYPE (latvox_gateway_\w+)", text, re.M))
+        self.assertEqual(ours, {name for name in metrics_test.metrics_of_page() if "_gateway_" in name})
+        named = set().union(*map(metrics_test.metrics_of, metrics_test.expressions()))
+        there = {name.partition("{")[0] for name in metrics_test.samples(text)}
+        self.assertEqual({name for name in named if "_gateway_" in name} - there, set())
+        for expression in metrics_test.expressions():
+            reasons = re.findall(r'latvox_gateway_rejections_total\{reason=~?"([^"]*)"', expression)
+            for reason in "|".join(reasons).split("|") if reasons else []:
+                self.assertIn(f'latvox_gateway_rejections_total{{reason="{reason}"}}', text)
+
+    def test_prometheus_reads_them(self):
+        fetch = [ROOT / "tests/e2e/fetch-promtool", metrics_test.BUILD / "promtool"]
+        fetched = subprocess.run(fetch, capture_output=True, text=True)
+        if fetched.returncode != 0:
+            self.skipTest(f"SKIPPED: no promtool, and Debian's cannot be fetched: {fetched.stderr}")
+        with gateway(self.dir, f"unix:{self.dir}/none", "--metrics-listen", "127.0.0.1:0") as running:
+            text = self.scrape(running)
+        # Names of prom-client's own metrics break the conventions.
+        ours = "".join(line + "\n" for line in text.splitlines() if "latvox_" in line)
+        said = subprocess.run([fetched.stdout.strip(), "check", "metrics"], input=ours, capture_output=True, text=True)
+        self.assertEqual((said.returncode, said.stdout + said.stderr), (0, ""))
 
 
 class Installed(Case):

@@ -73,7 +73,11 @@ class Sbom(Case):
         document = json.loads(done.stdout)
         listed = {package["name"]: package for package in document["packages"]}
         wanted = json.loads((ROOT / "deploy/gateway/package.json").read_text())["dependencies"]
-        self.assertEqual({name: package["versionInfo"] for name, package in listed.items() if name != "latvox"}, wanted)
+        self.assertEqual({name: listed[name]["versionInfo"] for name in wanted}, wanted)
+        installed = {str(path.parent.relative_to(ROOT / "deploy/gateway/node_modules"))
+                     for path in (ROOT / "deploy/gateway/node_modules").glob("**/package.json")
+                     if "version" in json.loads(path.read_text())}
+        self.assertEqual(listed.keys() - {"latvox"}, installed, "the packages of its packages, too")
         self.assertEqual({relation["relationshipType"] for relation in document["relationships"]}, {"DESCRIBES", "CONTAINS"})
         protobuf = listed["@bufbuild/protobuf"]
         self.assertEqual(protobuf["licenseDeclared"], "(Apache-2.0 AND BSD-3-Clause)")

@@ -27,7 +27,7 @@ test('each overlay has all of its objects', () => {
   assert.deepEqual(names(load('batch')), [...base, 'Job/latvox-batch', 'PersistentVolumeClaim/latvox-meshes',
     'PersistentVolumeClaim/latvox-results'].sort());
   assert.deepEqual(names(load('gateway')), [...base, 'Deployment/latvox-gateway', 'NetworkPolicy/latvox-gateway',
-    'PodDisruptionBudget/latvox-gateway', 'Service/latvox-gateway'].sort());
+    'PodDisruptionBudget/latvox-gateway', 'Service/latvox-gateway', 'ServiceMonitor/latvox-gateway'].sort());
 });
 
 test('batch: a worker is tried again by itself, but not for what stays wrong, and its pod asks for what it takes', () => {
@@ -96,8 +96,9 @@ test('service: haproxy takes its configuration, serves its port, finds its files
 test('gateway: it takes its options, and calls the pods of the overlay service by a name that their certificate has', () => {
   const deployment = find(load('gateway'), 'Deployment'), { terminationGracePeriodSeconds, containers: [container] } = deployment.spec.template.spec;
   const words = container.command.slice(1).map((word) => (word.startsWith('/run/') ? 'certificate.pem' : word));
-  const { listen, upstream, grace } = readOptions(words, {});
-  assert.equal(listen.port, container.ports[0].containerPort);
+  const { listen, upstream, grace, 'metrics-listen': metrics } = readOptions(words, {});
+  const ports = Object.fromEntries(container.ports.map(({ name, containerPort }) => [name, containerPort]));
+  assert.deepEqual(ports, { https: listen.port, metrics: metrics.port });
   const service = find(load('service'), 'Service');
   assert.deepEqual(upstream, [{ host: `${service.metadata.name}.latvox.svc`, port: service.spec.ports[0].port }]);
   assert.ok(terminationGracePeriodSeconds >= grace + container.lifecycle.preStop.sleep.seconds);
