@@ -2,10 +2,10 @@
 import { Code, createContextValues, createConnectRouter } from '@connectrpc/connect';
 import { universalRequestFromNodeRequest, universalResponseToNodeResponse } from '@connectrpc/connect-node';
 import { setMaxListeners } from 'node:events';
-import { readFileSync } from 'node:fs';
 import http from 'node:http';
 import http2 from 'node:http2';
 import { Calls } from './calls.js';
+import { checkPair } from './certificates.js';
 import { CALL, Forward, PASSED_UP } from './forward.js';
 import { PASSED_DOWN, refuse } from './refusals.js';
 
@@ -21,8 +21,8 @@ const ALLOWED = [
 const EXPOSED = ['grpc-status', 'grpc-message', 'grpc-status-details-bin', ...PASSED_DOWN];
 
 export class Gateway {
-  constructor({ options, protocol, upstreams, log, pages, metrics }) {
-    Object.assign(this, { options, protocol, upstreams, log, pages, metrics });
+  constructor({ options, protocol, upstreams, log, pages, metrics, watched }) {
+    Object.assign(this, { options, protocol, upstreams, log, pages, metrics, watched });
     this.calls = new Calls({ options, protocol, log, metrics });
     this.ending = new AbortController();
     setMaxListeners(2 * options['max-calls'] + 10, this.ending.signal); // each call listens
@@ -38,18 +38,24 @@ export class Gateway {
     this.handlers = new Map(router.handlers.map((handler) => [handler.requestPath, handler]));
     const handle = (request, response) => this.handle(request, response);
     this.server = options['tls-cert']
-      ? http2.createSecureServer(
-          {
-            allowHTTP1: true,
-            cert: readFileSync(options['tls-cert']),
-            key: readFileSync(options['tls-key']),
-            settings: { maxConcurrentStreams: 100 },
-          },
-          handle,
-        )
+      ? this.secureServer(handle)
       : http.createServer({ headersTimeout: 10_000 }, handle);
     this.server.maxConnections = options['max-connections'];
     metrics?.observe(this);
+  }
+
+  // Each new connection gets the certificate that was read last; those before go on.
+  secureServer(handle) {
+    const server = http2.createSecureServer({ allowHTTP1: true, settings: { maxConcurrentStreams: 100 } }, handle),
+      paths = [this.options['tls-cert'], this.options['tls-key']];
+    const use = ([cert, key]) => {
+      const expires = checkPair(paths, [cert, key]);
+      server.setSecureContext({ cert, key });
+      this.expires = expires;
+      return { path: paths[0], expires: expires.toISOString() };
+    };
+    this.watched.add({ read: 'tls_certificate_read', kept: 'tls_certificate_kept', paths, use });
+    return server;
   }
 
   async listen() {

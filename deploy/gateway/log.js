@@ -9,13 +9,13 @@ function quoted(value) {
 
 export class Log {
   constructor(level, format) {
-    this.least = LEVELS.indexOf(level);
+    this.level = level;
     this.json = format === 'json';
   }
 
   // Writes a line. Fields without a value are left out.
   write(level, event, fields = {}) {
-    if (LEVELS.indexOf(level) < this.least) return;
+    if (LEVELS.indexOf(level) < LEVELS.indexOf(this.level)) return;
     const given = Object.entries(fields).filter(([, value]) => value !== undefined);
     const all = [['time', new Date().toISOString()], ['level', level], ['event', event], ...given];
     const line = this.json

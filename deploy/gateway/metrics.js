@@ -58,13 +58,16 @@ export class Metrics {
   }
 
   // Adds the values of a gateway.
-  observe({ options, calls, upstreams, server }) {
+  observe(gateway) {
+    const { options, calls, upstreams, server } = gateway;
     const connections = () =>
       new Promise((resolve) => server.getConnections((error, count) => resolve(error ? 0 : count)));
     this.reading('calls_running', 'Calls in progress.', () => calls.running.size);
     this.reading('calls_max', '--max-calls.', () => options['max-calls']);
     this.reading('body_bytes', 'Bytes that calls in progress have reserved for their bodies.', () => calls.bytes);
     this.reading('body_limit_bytes', '--max-bodies.', () => options['max-bodies']);
+    const expiry = ['tls_certificate_expiry_timestamp_seconds', 'End of validity of the certificate of --tls-cert.'];
+    if (gateway.expires) this.reading(...expiry, () => gateway.expires / 1000);
     this.reading('connections', 'Open connections of callers.', connections);
     this.reading('connections_max', '--max-connections.', () => options['max-connections']);
     this.reading('upstreams', 'Servers that the addresses of --upstream lead to.', () => upstreams.servers.size);

@@ -1,5 +1,8 @@
-// The options of the gateway: flags, or environment variables. A flag wins over its variable.
+// The options of the gateway: flags, environment variables, or lines of a configuration file. A flag wins over its
+// variable, and that over the file.
+import { readFileSync } from 'node:fs';
 import { parseArgs } from 'node:util';
+import { parse } from 'smol-toml';
 
 const PREFIX = 'LATVOX_GATEWAY_';
 
@@ -54,6 +57,9 @@ const origins = (text) =>
 
 const text = (value) => value;
 
+// Those that apply at once when the configuration file changes.
+export const LIVE = ['cors-origin', 'log-level'];
+
 // name: [kind of value, reader, default, help]
 const OPTIONS = {
   listen: ['HOST:PORT', tcp, '127.0.0.1:8080', 'Address to serve'],
@@ -70,6 +76,7 @@ const OPTIONS = {
   'upstream-ca': ['FILE', text, null, 'Roots (PEM) of --upstream, in place of those of the system'],
   'upstream-cert': ['FILE', text, null, 'Certificate (PEM) to show to --upstream'],
   'upstream-key': ['FILE', text, null, 'Key of --upstream-cert (PEM)'],
+  config: ['FILE', text, null, 'Configuration (TOML) with these options by name; see deploy/docs/gateway.md'],
   'cors-origin': ['ORIGIN,...', origins, [], 'Origins whose pages may call, or *'],
   'metrics-listen': ['HOST:PORT', tcp, null, 'Address of /metrics for Prometheus, in plain text'],
   'max-body': ['SIZE', size, '6MiB', 'Largest body of a request; a message of 4 MiB takes 5.4 MiB as JSON'],
@@ -120,15 +127,35 @@ function flags(words) {
   return parseArgs({ args: words, options, allowPositionals: false }).values;
 }
 
-function read(name, flag, variable) {
+// Returns the texts of a configuration file by the names of their options.
+function settingsOf(path) {
+  let table;
+  try {
+    table = parse(readFileSync(path, 'utf8'));
+  } catch (error) {
+    if (!error.line) throw new Error(`--config: ${path}: it cannot be read: ${error.code}`);
+    throw new Error(`${path}:${error.line}: ${error.message.split('\n')[0]}`);
+  }
+  const plain = (value) => ['string', 'number', 'boolean'].includes(typeof value);
+  for (const [name, value] of Object.entries(table)) {
+    if (!Object.hasOwn(OPTIONS, name) || ['help', 'config'].includes(name))
+      throw new Error(`${path}: unknown key "${name}"`);
+    if (![value].flat().every(plain))
+      throw new Error(`${path}: ${name}: it is neither a text, a number nor a list of them`);
+  }
+  return Object.fromEntries(Object.entries(table).map(([name, value]) => [name, String(value)]));
+}
+
+// `sources`: a flag, a variable and a line of the configuration file, each with the name for errors.
+function read(name, sources) {
   const [, reader, otherwise] = OPTIONS[name];
-  const given = flag ?? variable;
+  const [given, source] = sources.find(([value]) => value !== undefined) ?? [];
   try {
     if (!reader) return given === undefined ? false : given === true || truth(given);
     if (given === undefined && typeof otherwise !== 'string') return otherwise;
     return reader(given ?? otherwise);
   } catch (error) {
-    throw new Error(`${flag === undefined ? variableOf(name) : `--${name}`}: ${error.message}`);
+    throw new Error(`${source}: ${error.message}`);
   }
 }
 
@@ -160,10 +187,13 @@ export function readOptions(words, environment) {
     const option = name.startsWith(PREFIX) ? name.slice(PREFIX.length).toLowerCase().replaceAll('_', '-') : 'help';
     if (!Object.hasOwn(OPTIONS, option)) throw new Error(`${name}: there is no such option`);
   }
-  const given = flags(words);
-  return check(
-    Object.fromEntries(
-      Object.keys(OPTIONS).map((name) => [name, read(name, given[name], environment[variableOf(name)])]),
-    ),
-  );
+  const given = flags(words),
+    path = given.config ?? environment[variableOf('config')];
+  const lines = path === undefined ? {} : settingsOf(path);
+  const sourcesOf = (name) => [
+    [given[name], `--${name}`],
+    [environment[variableOf(name)], variableOf(name)],
+    [lines[name], `${path}: ${name}`],
+  ];
+  return check(Object.fromEntries(Object.keys(OPTIONS).map((name) => [name, read(name, sourcesOf(name))])));
 }

@@ -1,9 +1,9 @@
 // Connections to latvoxd, and the choice among several servers.
 import { createHash } from 'node:crypto';
 import { promises as dns } from 'node:dns';
-import { readFileSync } from 'node:fs';
 import net from 'node:net';
 import { createGrpcTransport, Http2SessionManager } from '@connectrpc/connect-node';
+import { certificateOf, checkPair } from './certificates.js';
 
 const STREAMS = 200; // calls on a connection; latvoxd takes 256
 const PAUSE = 1000; // milliseconds without calls for a server that could not be reached
@@ -13,12 +13,12 @@ const bracketed = (address, port) => `${address.includes(':') ? `[${address}]` :
 
 // A server: a path, or an address and the name that its certificate must have.
 class Upstream {
-  constructor(name, { path, host }, options) {
-    const tls = options['upstream-tls'],
+  constructor(name, target, options, texts) {
+    const { path, host } = target,
+      tls = options['upstream-tls'],
       baseUrl = path ? 'http://localhost' : `${tls ? 'https' : 'http'}://${name}`;
-    Object.assign(this, { name, downUntil: 0 });
-    const read = (option) => (options[option] ? readFileSync(options[option]) : undefined);
-    const secure = tls ? { ca: read('upstream-ca'), cert: read('upstream-cert'), key: read('upstream-key') } : {};
+    Object.assign(this, { name, target, downUntil: 0 });
+    const secure = tls ? { ...texts } : {};
     if (tls && !net.isIP(host)) secure.servername = host;
     const node = path ? { createConnection: () => net.connect(path) } : secure;
     // A connection that is silent might be dead. latvoxd answers pings of any rate.
@@ -42,8 +42,28 @@ class Upstream {
 }
 
 export class Upstreams {
-  constructor(options, log) {
+  constructor(options, log, watched) {
     Object.assign(this, { options, log, servers: new Map(), turn: 0 });
+    const paths = ['upstream-ca', 'upstream-cert', 'upstream-key'].map((name) => options[name]);
+    watched.add({
+      read: 'upstream_tls_read',
+      kept: 'upstream_tls_kept',
+      paths,
+      use: (texts) => this.renew(paths, texts),
+    });
+  }
+
+  // Later calls use connections with these texts. Calls on the old connections go on; those end when idle.
+  renew([caPath, ...pairPaths], [ca, cert, key]) {
+    if (ca) certificateOf(caPath, ca);
+    if (cert) checkPair(pairPaths, [cert, key]);
+    this.texts = Object.fromEntries(Object.entries({ ca, cert, key }).filter(([, text]) => text));
+    for (const [name, { target }] of this.servers) this.servers.set(name, this.serverOf(name, target));
+    return { paths: [caPath, ...pairPaths].filter(Boolean).join() };
+  }
+
+  serverOf(name, target) {
+    return new Upstream(name, target, this.options, this.texts);
   }
 
   // Finds the servers, and looks again now and then: a name may have several addresses, and others later.
@@ -65,7 +85,7 @@ export class Upstreams {
       for (const address of addresses ?? []) found.set(bracketed(address, port), target);
     }
     for (const [name, target] of found)
-      if (!this.servers.has(name)) this.servers.set(name, new Upstream(name, target, this.options));
+      if (!this.servers.has(name)) this.servers.set(name, this.serverOf(name, target));
     // The calls of a server that has left its name go on; its connection ends when they have.
     for (const name of this.servers.keys()) if (complete && !found.has(name)) this.servers.delete(name);
   }

@@ -6,6 +6,8 @@ import json
 import pathlib
 import re
 import signal
+import socket
+import ssl
 import struct
 import subprocess
 import sys
@@ -43,6 +45,17 @@ class Gateway:
         address = self.await_log(r"event=listening address=(\S+)")
         self.address = address
         self.url = f"{'https' if self.secure else 'http'}://{address}"
+
+    def connect(self):
+        """Returns a new connection."""
+        host, port = self.address.split(":")
+        connection = socket.create_connection((host, int(port)), timeout=PATIENCE)
+        return ssl._create_unverified_context().wrap_socket(connection) if self.secure else connection
+
+    def metrics(self):
+        """Returns the text that Prometheus reads. Needs --metrics-listen 127.0.0.1:0."""
+        address = self.await_log(r"event=metrics address=(\S+)")
+        return urllib.request.urlopen(f"http://{address}/metrics", timeout=PATIENCE).read().decode()
 
     def log(self):
         return self.path.read_text()
@@ -90,13 +103,15 @@ class Gateway:
 
 
 @contextlib.contextmanager
-def gateway(directory, upstream, *options, **more):
+def gateway(directory, upstream, *options, errors=(), **more):
+    """`errors`: events of the log that may have level error."""
     running = Gateway(directory, upstream, *map(str, options), **more)
     try:
         yield running
         code = running.process.poll()
         assert (running.stop() if code is None else code) == 0, running.log()
-        assert "level=error" not in running.log() and "MaxListeners" not in running.log(), running.log()
+        assert set(re.findall(r"level=error event=(\w+)", running.log())) <= set(errors), running.log()
+        assert "MaxListeners" not in running.log(), running.log()
     finally:
         running.process.kill()
         running.process.wait()

@@ -3,16 +3,17 @@
 import base64
 import json
 import pathlib
+import os
 import re
 import signal
-import socket
+import ssl
 import subprocess
 import sys
 import tempfile
 import time
 import unittest
 
-from gateway import GATEWAY, ROOT, SERVICE, gateway, raw
+from gateway import GATEWAY, ROOT, SERVICE, gateway, protocol, raw
 
 sys.path.insert(0, str(ROOT / "tests" / "e2e"))
 
@@ -63,8 +64,7 @@ class GatewayCase(Case):
     def stalled(self, running, resolution=4000):
         """Returns a connection on which a large answer has begun, whose rest is not read."""
         body = json.dumps(self.stored(**{**BIG, "resolution": resolution})).encode()
-        host, port = running.address.split(":")
-        connection = socket.create_connection((host, int(port)), timeout=harness.PATIENCE)
+        connection = running.connect()
         self.addCleanup(connection.close)
         framed = b"\0" + len(body).to_bytes(4, "big") + body
         head = f"POST {SERVICE}VoxelizeStored HTTP/1.1\r\nHost: a\r\n"
@@ -318,11 +318,6 @@ class Limits(GatewayCase):
 
 
 class Metrics(GatewayCase):
-    def scrape(self, running):
-        """Returns the text that Prometheus reads."""
-        address = running.await_log(r"event=metrics address=(\S+)")
-        return urlopen(f"http://{address}/metrics")[1]
-
     def test_they_count_what_happened(self):
         limits = ["--max-body", "10KiB", "--metrics-listen", "127.0.0.1:0"]
         with harness.server(self.dir) as server, gateway(self.dir, server.address, *limits) as running:
@@ -331,12 +326,12 @@ class Metrics(GatewayCase):
             running.post("Pixelize", {**DRAWING, "resolution": 0})
             running.post("Pixelize", None, body=b" " * 20000)
             running.post("Voxelize", {})
-            before = metrics_test.samples(self.scrape(running))
+            before = metrics_test.samples(running.metrics())
             connection = self.stalled(running)
-            during = metrics_test.samples(self.scrape(running))
+            during = metrics_test.samples(running.metrics())
             connection.close()
             running.await_log("method=VoxelizeStored .*code=CANCELLED")
-            after = metrics_test.samples(self.scrape(running))
+            after = metrics_test.samples(running.metrics())
         wanted = {
             'requests_total{code="OK",method="Pixelize"}': 1,
             'requests_total{code="INVALID_ARGUMENT",method="Pixelize"}': 1,
@@ -365,9 +360,13 @@ class Metrics(GatewayCase):
         self.assertGreater(after['latvox_gateway_sent_bytes_total{method="VoxelizeStored"}'], 4096)
 
     def test_the_page_of_operators_the_dashboard_and_the_rules_name_those_that_are_there(self):
-        with gateway(self.dir, f"unix:{self.dir}/none", "--metrics-listen", "127.0.0.1:0") as running:
-            text = self.scrape(running)
-            self.assertEqual(urlopen(running.url + "/metrics")[0], 404, "they have a port of their own")
+        certificate, key = Authority(self.dir, "a").issue("server", "server", "subjectAltName=IP:127.0.0.1")
+        options = ["--tls-cert", certificate, "--tls-key", key, "--metrics-listen", "127.0.0.1:0"]
+        with gateway(self.dir, f"unix:{self.dir}/none", *options) as running:
+            text = running.metrics()
+            ask = ["curl", "--silent", "--insecure", running.url + "/metrics"]
+            done = subprocess.run(ask, capture_output=True, text=True)
+            self.assertEqual(done.stdout, "there is no /metrics\n", "they have a port of their own")
         ours = set(re.findall(r"^# TYPE (latvox_gateway_\w+)", text, re.M))
         self.assertEqual(ours, {name for name in metrics_test.metrics_of_page() if "_gateway_" in name})
         named = set().union(*map(metrics_test.metrics_of, metrics_test.expressions()))
@@ -384,11 +383,105 @@ class Metrics(GatewayCase):
         if fetched.returncode != 0:
             self.skipTest(f"SKIPPED: no promtool, and Debian's cannot be fetched: {fetched.stderr}")
         with gateway(self.dir, f"unix:{self.dir}/none", "--metrics-listen", "127.0.0.1:0") as running:
-            text = self.scrape(running)
+            text = running.metrics()
         # Names of prom-client's own metrics break the conventions.
         ours = "".join(line + "\n" for line in text.splitlines() if "latvox_" in line)
         said = subprocess.run([fetched.stdout.strip(), "check", "metrics"], input=ours, capture_output=True, text=True)
         self.assertEqual((said.returncode, said.stdout + said.stderr), (0, ""))
+
+
+class Reload(GatewayCase):
+    ORIGIN = {"Origin": "https://a.example"}
+
+    def replace(self, authority, path, key):
+        """Puts a new pair of this authority into the files, as `mv` does."""
+        made = authority.issue("next", "server", "subjectAltName=IP:127.0.0.1")
+        for new, place in zip(made, (path, key)):
+            os.replace(new, place)
+
+    def shown(self, running):
+        """Returns the certificate that a new connection gets."""
+        host, port = running.address.split(":")
+        return ssl.get_server_certificate((host, int(port)))
+
+    def test_new_connections_get_a_new_certificate_and_running_calls_go_on(self):
+        authority = Authority(self.dir, "authority")
+        certificate, key = authority.issue("server", "server", "subjectAltName=IP:127.0.0.1")
+        options = ["--tls-cert", certificate, "--tls-key", key, "--metrics-listen", "127.0.0.1:0"]
+        expiry = r"latvox_gateway_tls_certificate_expiry_timestamp_seconds (\d+)"
+        errors = ["tls_certificate_kept"]
+        with harness.server(self.dir) as server, gateway(self.dir, server.address, *options, errors=errors) as running:
+            with gateway(pathlib.Path(self.enterContext(tempfile.TemporaryDirectory())), server.address) as plain:
+                self.upload(plain)
+            connection = self.stalled(running, resolution=1500)
+            first = self.shown(running)
+            self.assertEqual(first, certificate.read_text())
+            self.assertGreater(int(re.search(expiry, running.metrics())[1]), time.time())
+            self.replace(authority, certificate, key)
+            running.await_log("event=tls_certificate_read")
+            second = self.shown(running)
+            self.assertEqual(second, certificate.read_text())
+            self.assertNotEqual(first, second)
+            for version in ("--http1.1", "--http2"):
+                words = ["curl", "--silent", version, "--cacert", authority.root, running.url + "/healthz"]
+                self.assertEqual(subprocess.run(words, capture_output=True).stdout, b"serving\n")
+            self.replace(Authority(self.dir, "other"), certificate, self.dir / "unused")
+            kept = f"event=tls_certificate_kept error=\"{key}: "
+            running.await_log(f"{kept}the key is not that of the certificate in {certificate}")
+            key.write_text("no key")
+            running.await_log(f"{kept}it holds no private key in PEM form without a passphrase")
+            self.assertEqual(self.shown(running), second)
+            end = b""
+            while got := connection.recv(1 << 20):
+                end = (end + got)[-2000:]
+                if b'"summary":{' in end and end.endswith(b"0\r\n\r\n"):
+                    break
+            self.assertIn(b'"summary":{', end)
+
+    def test_new_calls_trust_the_new_roots_of_latvoxd(self):
+        authority, other = (Authority(self.dir, name) for name in ("authority", "other"))
+        certificate, key = authority.issue("server", "server", "subjectAltName=IP:127.0.0.1")
+        roots = self.dir / "roots.pem"
+        roots.write_text(authority.root.read_text())
+        with harness.server(self.dir, "--listen", "127.0.0.1:0", "--tls-cert", certificate, "--tls-key", key):
+            address = harness.await_log(self.dir, r"event=listening address=(127\.0\.0\.1:\d+)")
+            options = ["--upstream-tls", "--upstream-ca", roots]
+            with gateway(self.dir, address, *options, errors=["upstream_tls_kept"]) as running:
+                for n, (root, status) in enumerate([(authority, 200), (other, 503), (authority, 200)]):
+                    if n > 0:
+                        roots.write_text(root.root.read_text())
+                        running.await_log("event=upstream_tls_read", n)
+                    self.assertEqual(running.post("GetLimits", {})[0], status)
+                roots.write_text("nothing")
+                running.await_log(f"event=upstream_tls_kept .*{roots}: it holds no certificate in PEM form")
+                self.assertEqual(running.post("GetLimits", {})[0], 200)
+
+    def test_origins_and_log_level_follow_the_configuration_file(self):
+        file = self.dir / "gateway.toml"
+        file.write_text('cors-origin = ["https://b.example"]\nmax-calls = 7\n')
+        errors = ["reload_failed"]
+
+        def may(running):
+            return "access-control-allow-origin" in running.post("GetLimits", {}, self.ORIGIN)[1]
+
+        with harness.server(self.dir) as server, gateway(
+            self.dir, server.address, "--config", file, "--metrics-listen", "127.0.0.1:0", errors=errors
+        ) as running:
+            self.assertIn("\nlatvox_gateway_calls_max 7\n", running.metrics())
+            self.assertFalse(may(running))
+            self.assertNotIn("level=debug", running.log())
+            file.write_text('cors-origin = ["https://b.example", "https://a.example"]\nlog-level = "debug"\nmax-calls = 8')
+            running.process.send_signal(signal.SIGHUP)
+            running.await_log(f"level=info event=configuration_read path={file}")
+            running.await_log("level=warning event=restart_needed options=max-calls")
+            self.assertTrue(may(running))
+            running.await_log("level=debug event=request method=GetLimits")
+            file.write_text("max-calls = 0")
+            running.await_log(f'event=reload_failed error="{file}: max-calls: 0 is not between 1 and 100000"')
+            self.assertTrue(may(running))
+            file.unlink()
+            running.await_log(f'event=reload_failed error="{file}: it cannot be read: ENOENT"')
+            self.assertTrue(may(running))
 
 
 class Installed(Case):
@@ -412,6 +505,7 @@ class Installed(Case):
 
 class Options(Case):
     def test_wrong_options_are_named(self):
+        file = self.dir / "gateway.toml"
         for words, message in (
             (["--max-calls", "0"], "--max-calls: 0 is not between 1 and 100000"),
             (
@@ -419,9 +513,24 @@ class Options(Case):
                 "--listen: 0.0.0.0 reaches other machines; give --tls-cert and --tls-key, or --insecure",
             ),
             (["--tls-cert", "a.pem"], "--tls-cert needs --tls-key"),
+            (["--tls-cert", "a.pem", "--tls-key", "b.pem"], "a.pem: it cannot be read: ENOENT"),
+            (["--config", file], f"--config: {file}: it cannot be read: ENOENT"),
         ):
-            done = subprocess.run(["node", GATEWAY / "main.js", *words], capture_output=True, text=True)
+            words = ["node", GATEWAY / "main.js", "--protocol", protocol(self.dir), *words]
+            done = subprocess.run(words, capture_output=True, text=True)
             self.assertEqual((done.returncode, done.stderr), (2, f"latvox-gateway: {message}\n"))
+
+    def test_wrong_lines_of_a_configuration_file_are_named(self):
+        file = self.dir / "gateway.toml"
+        for text, message in (
+            ("max-calls = 0", ": max-calls: 0 is not between 1 and 100000"),
+            ("max-cals = 1", ': unknown key "max-cals"'),
+            ("max-calls = {}", ": max-calls: it is neither a text, a number nor a list of them"),
+            ("\nmax-calls = = 1", ":2: Invalid TOML document: invalid value"),
+        ):
+            file.write_text(text)
+            done = subprocess.run(["node", GATEWAY / "main.js", "--config", file], capture_output=True, text=True)
+            self.assertEqual((done.returncode, done.stderr), (2, f"latvox-gateway: {file}{message}\n"))
 
 
 if __name__ == "__main__":
