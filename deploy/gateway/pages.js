@@ -8,9 +8,11 @@ const OWN = [
   'app.js',
   'bricks.js',
   'cell.js',
+  'colors.js',
   'job.js',
   'live.js',
   'meshes.js',
+  'npz.js',
   'receive.js',
   'scene.js',
   'service.js',
@@ -48,6 +50,7 @@ export class Pages {
     for (const name of VIEWER) this.files.set(`/viewer/${name}.js`, read(`../../client/tool/view/${name}.js`));
     for (const name of LOADERS) this.files.set(`/three/loaders/${name}.js`, this.addon(`loaders/${name}.js`));
     this.files.set('/three/utils/BufferGeometryUtils.js', this.addon('utils/BufferGeometryUtils.js'));
+    this.files.set('/fflate.js', read('node_modules/fflate/esm/browser.js'));
     for (const name of ['three.module.min.js', 'three.core.min.js'])
       this.files.set(`/three/${name}`, read(`node_modules/three/build/${name}`));
     // The only script within the page is its map of imports.

@@ -10,7 +10,9 @@ import sys
 import tempfile
 import time
 import unittest
+import zlib
 
+import numpy
 from gateway import ROOT, gateway
 
 sys.path.insert(0, str(ROOT / "tests" / "e2e"))
@@ -28,6 +30,47 @@ def stl(mesh):
     vertices, triangles = mesh
     corners = [struct.pack("<12fH", 0, 0, 0, *(x for v in t for x in vertices[v]), 0) for t in triangles]
     return bytes(80) + struct.pack("<I", len(triangles)) + b"".join(corners)
+
+
+COLORS = [(230, 40, 30), (40, 60, 220), (250, 210, 20), (30, 160, 60)]
+
+
+def texture():
+    """Returns a .png of two by two pixels in COLORS."""
+
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    rows = b"".join(b"\0" + bytes(COLORS[2 * row] + COLORS[2 * row + 1]) for row in range(2))
+    head = chunk(b"IHDR", struct.pack(">2I5B", 2, 2, 8, 2, 0, 0, 0))
+    return b"\x89PNG\r\n\x1a\n" + head + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b"")
+
+
+def textured(mesh):
+    """Returns a .gltf that shows texture() along x and z, without blur."""
+    vertices, triangles = mesh
+    parts = [
+        b"".join(struct.pack("<3f", *v) for v in vertices),
+        b"".join(struct.pack("<2f", x / 14 + 0.5, z / 14 + 0.5) for x, _, z in vertices),
+        b"".join(struct.pack("<3I", *t) for t in triangles),
+        texture(),
+    ]
+    at = [sum(map(len, parts[:n])) for n in range(4)]
+    views = [{"buffer": 0, "byteOffset": at[n], "byteLength": len(part)} for n, part in enumerate(parts)]
+    about = {
+        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 1}, "indices": 2, "material": 0}]}],
+        "materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}],
+        "textures": [{"source": 0, "sampler": 0}], "samplers": [{"magFilter": 9728, "minFilter": 9728}],
+        "images": [{"bufferView": 3, "mimeType": "image/png"}], "bufferViews": views,
+        "buffers": [{"byteLength": sum(map(len, parts)),
+                     "uri": f"data:application/octet-stream;base64,{base64.b64encode(b''.join(parts)).decode()}"}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": len(vertices), "type": "VEC3",
+                       "min": [-7] * 3, "max": [7] * 3},
+                      {"bufferView": 1, "componentType": 5126, "count": len(vertices), "type": "VEC2"},
+                      {"bufferView": 2, "componentType": 5125, "count": 3 * len(triangles), "type": "SCALAR"}],
+    }  # fmt: skip
+    return json.dumps(about).encode()
 
 
 def glb(mesh):
@@ -169,14 +212,21 @@ class Page(Case):
         self.assertGreater(len(partial), 1, tab.run("told"))
         self.assertNotEqual(partial[0], voxels)
 
-    def assert_csv(self, tab):
-        """Checks that the page's .csv has the lines of the tool's."""
-        self.browser.call("Browser.setDownloadBehavior", behavior="allow", downloadPath=str(self.dir))
-        tab.run("document.getElementById('csv').click()")
+    def saved(self, tab, kind):
+        """Returns the file that a click on a button gives, for a mesh of the name a."""
+        place = self.dir / f"saved-{len(list(self.dir.glob('saved-*')))}"
+        place.mkdir()
+        self.browser.call("Browser.setDownloadBehavior", behavior="allow", downloadPath=str(place))
+        tab.run(f"document.getElementById('{kind}').click()")
         deadline = time.monotonic() + PATIENCE
-        while not (path := self.dir / "a.csv").exists() or path.stat().st_size < 100:
+        while not (path := place / f"a.{kind}").exists() or path.stat().st_size < 100:
             self.assertLess(time.monotonic(), deadline)
             time.sleep(0.02)
+        return path
+
+    def assert_csv(self, tab):
+        """Checks that the page's .csv has the lines of the tool's."""
+        path = self.saved(tab, "csv")
         read = [[line.split(",") for line in each.read_text().splitlines()] for each in (path, self.dir / "direct.csv")]
         self.assertEqual(read[0][0], read[1][0])
         numbers = [sorted([float(word) for word in line] for line in lines[1:]) for lines in read]
@@ -186,15 +236,91 @@ class Page(Case):
             for one, other in zip(ours[3:], tools[3:]):
                 self.assertAlmostEqual(one, other, 6)
 
+    def test_colors_of_vertices_are_those_of_the_tool(self):
+        (self.dir / "a.ply").write_bytes(ply(self.mesh, COLORS))
+        options = ["--lattice", "fcc", "--resolution", 40, "--fields", "color,part"]
+        direct = self.direct(self.dir / "a.ply", *options)
+        tab = self.tab("#lattice=fcc&resolution=40&fields=color,part")
+        self.drop(tab, "a.ply", ply(self.mesh, COLORS))
+        self.assertEqual(self.shown(tab)["digest"], direct["digest"])
+        self.assert_csv(tab)
+        picture = self.picture(tab, "colors")[:, 330:1000, :3].astype(int)
+        red = (picture[..., 0] > 120) & (picture[..., 1] < 90) & (picture[..., 2] < 90)
+        self.assertGreater(red.mean(), 0.01)
+        again = self.tab(tab.run("location.hash"))
+        self.assertEqual(self.shown(again)["digest"], direct["digest"])
+        self.assert_csv(again)
+        self.drop(again, "a.stl", stl(self.mesh))
+        self.shown(again)
+        box = "document.querySelector('[value=color]')"
+        self.assertEqual(again.run(f"[{box}.disabled, {box}.checked]"), [True, False])
+
+    def test_colors_of_textures_are_those_of_the_tool(self):
+        (self.dir / "a.gltf").write_bytes(textured(self.mesh))
+        self.direct(self.dir / "a.gltf", "--resolution", 60, "--fields", "color")
+        tab = self.tab("#resolution=60&fields=color")
+        self.drop(tab, "a.gltf", textured(self.mesh))
+        self.shown(tab)
+        self.picture(tab, "texture")
+        found, wanted = (
+            {line.rpartition(",")[0].rsplit(",", 5)[0]: line.split(",")[-3:] for line in path.read_text().splitlines()}
+            for path in (self.saved(tab, "csv"), self.dir / "direct.csv")
+        )
+        self.assertEqual(found.keys(), wanted.keys())
+        pure = {tuple(map(str, color)) for color in COLORS}
+        self.assertLessEqual({*map(tuple, found.values())} - {("red", "green", "blue")}, pure)
+        # The tool mixes the colors of voxels along the borders of pixels.
+        equal = [found[key] == color for key, color in wanted.items() if tuple(color) in pure]
+        self.assertGreater(len(equal), 0.9 * len(wanted))
+        self.assertGreater(sum(equal), 0.99 * len(equal))
+        again = self.tab(tab.run("location.hash"))
+        self.shown(again)
+        self.assertEqual(again.run("document.getElementById('status').innerText"),
+                         "A link has no textures: drop a.gltf once more for all of its colors.")  # fmt: skip
+
+    def test_own_vectors_are_a_lattice(self):
+        basis, obj = "0.5,0.1,0,0,0.4,0.1,0.6,0.05,0.45", write_obj(self.dir / "a.obj", self.mesh)
+        for more, options in (("&resolution=40", ["--resolution", 40]), ("&resolution=", [])):
+            direct = self.direct(obj, "--basis", basis, *options)
+            tab = self.tab(f"#lattice=basis&basis={basis}{more}")
+            self.drop(tab, "a.obj", obj.read_bytes())
+            self.assertEqual(self.shown(tab)["digest"], direct["digest"])
+            again = self.tab(tab.run("location.hash"))
+            self.assertEqual(self.shown(again)["digest"], direct["digest"])
+        self.picture(again, "own-lattice")
+        again.run("document.forms[0].elements.basis.value = '1, 2, x'")
+        again.run("document.forms[0].requestSubmit()")
+        again.rest()
+        self.assertEqual(again.run("document.getElementById('error').innerText"),
+                         'basis: "1, 2, x" is not nine numbers a1,a2,a3,b1,b2,b3,c1,c2,c3')  # fmt: skip
+        again.run("document.forms[0].elements.basis.value = '1 0 0 0 1 0 1 1 0'")
+        again.run("document.forms[0].requestSubmit()")
+        again.rest()
+        self.assertIn("(BAD_SPEC)", again.run("document.getElementById('error').innerText"))
+
+    def test_the_npz_has_the_arrays_of_the_tool(self):
+        (self.dir / "a.ply").write_bytes(ply(self.mesh, COLORS))
+        fields = "distance,color,part,triangle"
+        self.voxelize(self.dir / "a.ply", "--lattice", "bcc", "--resolution", 30, "--fields", fields,
+                      "--server", self.server.address, out="direct.npz")  # fmt: skip
+        tab = self.tab(f"#lattice=bcc&resolution=30&fields={fields}")
+        self.drop(tab, "a.ply", ply(self.mesh, COLORS))
+        self.shown(tab)
+        with numpy.load(self.saved(tab, "npz")) as ours, numpy.load(self.dir / "direct.npz") as tools:
+            self.assertEqual(sorted(ours), sorted(tools))
+            for name in tools:
+                self.assertEqual((ours[name].dtype, ours[name].shape), (tools[name].dtype, tools[name].shape), name)
+                numpy.testing.assert_array_equal(ours[name], tools[name], name)
+
     def test_keys_formats_cells_and_errors(self):
         tab = self.tab("#resolution=30")
         counts = tab.run(
             """import('./cell.js').then(({ facetsOf }) => [
           [[1, 0, 0], [0, 1, 0], [0, 0, 1]], [[2, 0, 0], [0, 2, 0], [1, 1, 1]], [[1, 1, 0], [1, 0, 1], [0, 1, 1]],
-          [[1, 0, 0], [0.5, Math.sqrt(3) / 2, 0], [0, 0, 1]],
+          [[1, 0, 0], [0.5, Math.sqrt(3) / 2, 0], [0, 0, 1]], [[1, 0, 0], [5, 1, 0], [-7, 4, 1]],
         ].map((basis) => facetsOf(basis).map(({ corners }) => corners.length).sort().join('')))"""
         )
-        self.assertEqual(counts, ["4" * 6, "4" * 6 + "6" * 8, "4" * 12, "4" * 6 + "66"])
+        self.assertEqual(counts, ["4" * 6, "4" * 6 + "6" * 8, "4" * 12, "4" * 6 + "66", "4" * 6])
         plain = self.direct(write_obj(self.dir / "a.obj", self.mesh), "--resolution", 30)["digest"]
         for name, data in (
             ("b.obj", (self.dir / "a.obj").read_bytes()),
@@ -226,14 +352,20 @@ class Page(Case):
         )
 
 
-def ply(mesh):
+def ply(mesh, colors=()):
+    """Returns a .ply whose vertices have the colors in turn."""
     vertices, triangles = mesh
     head = (
         f"ply\nformat ascii 1.0\nelement vertex {len(vertices)}\nproperty float x\nproperty float y\nproperty float z\n"
     )
+    head += "".join(f"property uchar {name}\n" for name in ("red", "green", "blue") if colors)
     head += f"element face {len(triangles)}\nproperty list uchar int vertex_indices\nend_header\n"
+
+    def line(n, vertex):
+        return " ".join(map("{:g}".format, vertex + tuple(colors[n % len(colors)] if colors else ()))) + "\n"
+
     return (
-        head + "".join("%g %g %g\n" % v for v in vertices) + "".join("3 %d %d %d\n" % t for t in triangles)
+        head + "".join(line(n, v) for n, v in enumerate(vertices)) + "".join("3 %d %d %d\n" % t for t in triangles)
     ).encode()
 
 

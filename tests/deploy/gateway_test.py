@@ -470,7 +470,8 @@ class Reload(GatewayCase):
             self.assertIn("\nlatvox_gateway_calls_max 7\n", running.metrics())
             self.assertFalse(may(running))
             self.assertNotIn("level=debug", running.log())
-            file.write_text('cors-origin = ["https://b.example", "https://a.example"]\nlog-level = "debug"\nmax-calls = 8')
+            origins = 'cors-origin = ["https://b.example", "https://a.example"]'
+            file.write_text(f'{origins}\nlog-level = "debug"\nmax-calls = 8\n')
             running.process.send_signal(signal.SIGHUP)
             running.await_log(f"level=info event=configuration_read path={file}")
             running.await_log("level=warning event=restart_needed options=max-calls")

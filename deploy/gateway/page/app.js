@@ -1,13 +1,15 @@
 // The page: a mesh and a request on the left, the viewer on the right. The address repeats the request:
 // #lattice=bcc&resolution=64&set=surface&k=0&up=z&fields=distance&name=a.stl&mesh=SHA256&raw=VERTICES,TRIANGLES,TYPE
+// with color or texture at the end for a mesh that has them, and basis=a1,a2,… for a lattice of one's own.
 import { Job, NAMED } from './job.js';
 import { readMesh } from './meshes.js';
+import { npzOf } from './npz.js';
 import { csvOf, download } from './save.js';
 import { Service } from './service.js';
 
 const byId = (id) => document.getElementById(id),
   form = byId('form');
-const SETTINGS = ['lattice', 'resolution', 'set', 'k', 'up', 'width'];
+const SETTINGS = ['lattice', 'resolution', 'set', 'k', 'up', 'width', 'basis'];
 const count = (number, one) => `${Number(number).toLocaleString('en-US')} ${one}${Number(number) === 1 ? '' : 's'}`;
 const service = new Service(() => byId('token').value.trim());
 const state = { mesh: null, job: null };
@@ -26,19 +28,27 @@ function settings() {
 }
 
 function address() {
-  const { width, fields, verify, ...others } = settings(),
+  const { width, basis, fields, verify, ...others } = settings(),
     { name, sha256, spec } = state.mesh,
     words = new URLSearchParams(others);
   if (others.set === 'band') words.set('width', width);
+  if (others.lattice === 'basis') words.set('basis', basis.trim().split(/[\s,]+/).join());
   if (fields.length > 0) words.set('fields', fields.join());
   if (verify) words.set('verify', 'yes');
   words.set('name', name);
   words.set('mesh', sha256);
-  words.set('raw', [spec.vertices, spec.triangles, spec.positions.replace('POSITION_TYPE_', '').toLowerCase()].join());
+  const raw = [spec.vertices, spec.triangles, spec.positions.replace('POSITION_TYPE_', '').toLowerCase()];
+  if (hasColors(state.mesh)) raw.push(state.mesh.textured === null ? 'color' : 'texture');
+  words.set('raw', raw.join());
   return `#${words}`;
 }
 
+const hasColors = ({ spec }) => spec.fields.includes('FIELD_COLOR');
+
 function show(mesh) {
+  const box = form.querySelector('[name=fields][value=color]');
+  box.disabled = !hasColors(mesh);
+  box.checked &&= !box.disabled;
   state.mesh = mesh;
   byId('mesh').textContent = mesh.name;
   byId('facts').textContent = `${count(mesh.spec.triangles, 'triangle')}${mesh.bytes ? '' : ', kept by the server'}`;
@@ -54,9 +64,10 @@ async function take(file) {
   try {
     if (!crypto.subtle)
       throw new Error('This page needs https, or an address of this machine: browsers compute SHA-256 only there.');
-    const { spec, bytes, up } = await readMesh(file.name, await file.arrayBuffer());
+    const { spec, bytes, up, textured } = await readMesh(file.name, await file.arrayBuffer());
     const digest = new Uint8Array(await crypto.subtle.digest('SHA-256', bytes));
-    show({ name: file.name, spec, bytes, sha256: [...digest].map((n) => n.toString(16).padStart(2, '0')).join('') });
+    const sha256 = [...digest].map((n) => n.toString(16).padStart(2, '0')).join('');
+    show({ name: file.name, spec, bytes, textured, sha256 });
     form.elements.up.value = up;
     say('');
     await run();
@@ -66,11 +77,24 @@ async function take(file) {
   }
 }
 
+// Returns null, and says why, for a setting that is wrong.
+function jobOf() {
+  if (!form.reportValidity()) return null;
+  try {
+    return new Job(service, state.mesh, settings(), byId('viewer'));
+  } catch (error) {
+    say(error.message, true);
+    return null;
+  }
+}
+
 // Starts the request of the form.
 async function run() {
-  if (state.mesh === null || !form.reportValidity()) return;
+  if (state.mesh === null) return;
   state.job?.cancel();
-  const job = (state.job = new Job(service, state.mesh, settings(), byId('viewer')));
+  const job = (state.job = jobOf());
+  document.body.dataset.busy = 'no';
+  if (job === null) return;
   for (const [id, hidden] of [
     ['cancel', false],
     ['progress', false],
@@ -140,7 +164,21 @@ function finish({ summary, accepted, seconds, shown }) {
   );
   byId('result').hidden = false;
   byId('empty').hidden = !byId('viewer').hidden;
-  say(shown ? '' : `The viewer shows up to 4,000,000 voxels, and at least one. The files have all of them.`);
+  if (!shown) say('The viewer shows up to 4,000,000 voxels, and at least one. The files have all of them.');
+  else say(hasLostTextures() ? `A link has no textures: drop ${state.mesh.name} once more for all of its colors.` : '');
+}
+
+// The vertices of such a mesh have the colors that their textures have there.
+const hasLostTextures = () => state.mesh.textured === undefined && settings().fields.includes('color');
+
+function saveNpz() {
+  const { bricks, scene, fields } = state.job;
+  try {
+    const name = `${state.mesh.name.replace(/\.\w+$/, '')}.npz`;
+    download(name, [npzOf(bricks, scene, fields)], 'application/zip');
+  } catch (error) {
+    say(error.message, true);
+  }
 }
 
 function saveCsv() {
@@ -160,7 +198,7 @@ function saveJson() {
 // Takes the request of the address.
 function restore() {
   const words = new URLSearchParams(location.hash.slice(1)),
-    [vertices, triangles, type] = (words.get('raw') ?? '').split(',');
+    [vertices, triangles, type, colors] = (words.get('raw') ?? '').split(',');
   for (const name of SETTINGS) if (words.has(name)) form.elements[name].value = words.get(name);
   for (const box of form.querySelectorAll('[name=fields]'))
     box.checked = (words.get('fields') ?? '').split(',').includes(box.value);
@@ -171,16 +209,19 @@ function restore() {
     vertices: Number(vertices),
     triangles: Number(triangles),
     positions: `POSITION_TYPE_${type?.toUpperCase()}`,
-    fields: ['FIELD_PART'],
+    fields: ['FIELD_PART', ...(colors ? ['FIELD_COLOR'] : [])],
   };
-  show({ name: words.get('name') ?? 'mesh', spec, bytes: null, sha256: words.get('mesh') });
+  const textured = colors === 'texture' ? undefined : null;
+  show({ name: words.get('name') ?? 'mesh', spec, bytes: null, textured, sha256: words.get('mesh') });
   run();
 }
 
 function adapt() {
   byId('widthlabel').hidden = form.elements.set.value !== 'band';
-  const { lattice } = form.elements;
-  if (!Object.hasOwn(NAMED, lattice.value)) lattice.value = 'cartesian';
+  const { lattice, resolution } = form.elements;
+  if (lattice.value !== 'basis' && !Object.hasOwn(NAMED, lattice.value)) lattice.value = 'cartesian';
+  byId('basislabel').hidden = lattice.value !== 'basis';
+  resolution.required = lattice.value !== 'basis';
 }
 
 function copyLink() {
@@ -192,11 +233,12 @@ function copyLink() {
 }
 
 form.addEventListener('submit', (event) => (event.preventDefault(), run()));
-form.elements.set.addEventListener('change', adapt);
+for (const name of ['set', 'lattice']) form.elements[name].addEventListener('change', adapt);
 byId('file').addEventListener('change', (event) => take(event.target.files[0]));
 for (const [id, use] of Object.entries({
   cancel: () => state.job?.cancel(),
   csv: saveCsv,
+  npz: saveNpz,
   json: saveJson,
   link: copyLink,
 }))

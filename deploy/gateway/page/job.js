@@ -1,5 +1,6 @@
 // One request: the upload of the mesh, the stream of bricks, and what the viewer shows of them.
 import { forEachVoxel, joined, unpack } from './bricks.js';
+import { colorsOfVoxels } from './colors.js';
 import { flattened, MOST_VOXELS, paintOf, sceneOf } from './scene.js';
 import { base64Of, bytesOf } from './service.js';
 
@@ -9,6 +10,18 @@ export const NAMED = {
   fcc: 'NAMED_LATTICE_FCC',
   hexagonal: 'NAMED_LATTICE_HEXAGONAL',
 };
+
+// Returns the vectors of a lattice from the nine numbers that `latvox --basis` takes, too.
+function basisOf(text) {
+  const numbers = text.trim().split(/[\s,]+/).map(Number);
+  if (text.trim() === '' || numbers.length !== 9 || !numbers.every(Number.isFinite))
+    throw new Error(`basis: "${text}" is not nine numbers a1,a2,a3,b1,b2,b3,c1,c2,c3`);
+  const [a, b, c] = [0, 3, 6].map((at) => ({ x: numbers[at], y: numbers[at + 1], z: numbers[at + 2] }));
+  return { a, b, c };
+}
+
+// The fields of the nearest point, which textures need.
+const NEAREST = ['triangle', 'point'];
 
 const SETS = {
   surface: () => ({ surface: {} }),
@@ -20,13 +33,14 @@ const SETS = {
   band: ({ width }) => ({ band: { voxels: Number(width) } }),
 };
 
-function specOf(mesh, settings) {
+function specOf(mesh, settings, asked) {
+  const { lattice, resolution, basis } = settings;
   return {
-    lattice: { named: NAMED[settings.lattice] },
-    resolution: Number(settings.resolution),
+    lattice: lattice === 'basis' ? { basis: basisOf(basis) } : { named: NAMED[lattice] },
+    ...(resolution === '' ? {} : { resolution: Number(resolution) }),
     separability: Number(settings.k),
     verify: settings.verify,
-    fields: settings.fields.map((name) => `FIELD_${name.toUpperCase()}`),
+    fields: asked.map((name) => `FIELD_${name.toUpperCase()}`),
     ...SETS[settings.set](settings),
     encoding: 'BRICK_ENCODING_PACKED',
     meshSha256: base64Of(Uint8Array.from(mesh.sha256.match(/../g), (byte) => parseInt(byte, 16))),
@@ -37,19 +51,23 @@ function specOf(mesh, settings) {
 let opened = 0; // viewers
 
 export class Job {
+  // Throws an Error for a setting that is wrong.
   constructor(service, mesh, settings, frame) {
+    this.hasTextures = Boolean(mesh.textured) && settings.fields.includes('color');
+    const asked = [...new Set([...settings.fields, ...(this.hasTextures ? NEAREST : [])])];
     Object.assign(this, {
+      asked,
       service,
       mesh,
       settings,
       frame,
-      request: { spec: specOf(mesh, settings) },
+      request: { spec: specOf(mesh, settings, asked) },
       end: new AbortController(),
       canceled: false,
     });
     Object.assign(this, {
       parts: [],
-      values: settings.fields.map(() => []),
+      values: asked.map(() => []),
       voxels: 0,
       live: false,
       waiting: [],
@@ -84,10 +102,19 @@ export class Job {
     }
     this.seconds = (performance.now() - started) / 1000;
     this.bricks = joined(this.parts);
-    this.fields = this.settings.fields.map((name, n) => ({ name, bytes: joined(this.values[n]) }));
+    this.fields = this.fieldsOf(new Map(this.asked.map((name, n) => [name, joined(this.values[n])])));
     if (this.voxels !== Number(this.summary.voxels ?? 0))
       throw new Error(`${this.voxels} voxels came, and the summary has ${this.summary.voxels}`);
     await this.show();
+  }
+
+  // Returns the fields that the caller wants, with the colors of textures.
+  fieldsOf(found) {
+    if (this.hasTextures) {
+      const { colors, corners } = this.mesh.textured;
+      found.set('color', colorsOfVoxels(colors, corners, ...NEAREST.map((name) => found.get(name))));
+    }
+    return this.settings.fields.map((name) => ({ name, bytes: found.get(name) }));
   }
 
   accept(accepted) {
@@ -131,7 +158,9 @@ export class Job {
       this.frame.hidden = true;
       return;
     }
-    const found = this.fields.map(({ name, bytes }) => paintOf(name, bytes)),
+    // As in a page of `latvox view`: colors come first, and have no values beside them.
+    const fields = [...this.fields].sort((a, b) => (b.name === 'color') - (a.name === 'color')),
+      found = fields.map(({ name, bytes }) => paintOf(name, bytes)),
       { settings, scene } = this;
     const metadata = [
       ...flattened(this.summary.certificate),
@@ -149,7 +178,7 @@ export class Job {
       data,
       this.bricks,
       joined(found.map(({ colors }) => colors)),
-      joined(this.fields.map(({ bytes }) => bytes)),
+      joined(fields.filter(({ name }) => name !== 'color').map(({ bytes }) => bytes)),
     );
     this.shown = true;
   }

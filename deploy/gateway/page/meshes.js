@@ -1,4 +1,6 @@
 // Reads meshes with three.js' loaders, as the arrays of RawMesh.
+import { Colors } from './colors.js';
+
 const MOST_TRIANGLES = 20_000_000;
 
 const READERS = {
@@ -15,25 +17,27 @@ async function gltf(bytes) {
   return (await new GLTFLoader().parseAsync(bytes, '')).scene;
 }
 
-// Yields { geometry, matrix } of each mesh; matrix: 16 numbers, column by column, or null.
+// Yields { geometry, material, matrix } of each mesh; matrix: 16 numbers, column by column, or null.
 function* partsOf(read) {
   if (read.isBufferGeometry) return yield { geometry: read, matrix: null };
   read.updateMatrixWorld(true);
   const meshes = [];
   read.traverse((node) => node.isMesh && meshes.push(node));
-  for (const { isSkinnedMesh, isInstancedMesh, name, geometry, matrixWorld } of meshes) {
+  for (const { isSkinnedMesh, isInstancedMesh, name, geometry, material, matrixWorld } of meshes) {
     if (isSkinnedMesh || isInstancedMesh)
       throw new Error(
         `"${name}" is ${isSkinnedMesh ? 'skinned' : 'instanced'}, which this page does not read; use the tool latvox`,
       );
     yield {
       geometry,
+      material: [material].flat()[0],
       matrix: matrixWorld.elements.every((n, m) => n === (m % 5 === 0 ? 1 : 0)) ? null : matrixWorld.elements,
     };
   }
 }
 
-// Returns { spec: RawMesh, bytes, up }. `part` is the number of the mesh within the file.
+// Returns { spec: RawMesh, bytes, up, textured }. `part` is the number of the mesh within the file. `textured`: what
+// colors.js needs for the textures; null without any. Then the colors of vertices include the textures there.
 export async function readMesh(name, bytes) {
   const format = name.toLowerCase().split('.').pop();
   if (!Object.hasOwn(READERS, format)) throw new Error(`"${name}" is not one of .stl, .obj, .ply, .glb, .gltf`);
@@ -79,14 +83,18 @@ export async function readMesh(name, bytes) {
       vertex += position.count;
     },
   );
+  const colors = Colors.of(parts, numbers);
   const spec = {
     vertices,
     triangles,
     positions: double ? 'POSITION_TYPE_FLOAT64' : 'POSITION_TYPE_FLOAT32',
-    fields: ['FIELD_PART'],
+    fields: ['FIELD_PART', ...(colors ? ['FIELD_COLOR'] : [])],
   };
-  const arrays = [positions, corners, numbers].map((array) => new Uint8Array(array.buffer));
+  const arrays = [positions, corners, numbers, ...(colors ? [colors.numbers()] : [])].map(
+    (array) => new Uint8Array(array.buffer),
+  );
   const all = new Uint8Array(arrays.reduce((sum, { length }) => sum + length, 0));
   arrays.reduce((at, array) => (all.set(array, at), at + array.length), 0);
-  return { spec, bytes: all, up: ['glb', 'gltf', 'obj'].includes(format) ? 'y' : 'z' };
+  const up = ['glb', 'gltf', 'obj'].includes(format) ? 'y' : 'z';
+  return { spec, bytes: all, up, textured: colors?.hasTextures ? { colors, corners } : null };
 }

@@ -11,16 +11,22 @@ export function download(name, parts, type) {
   setTimeout(() => URL.revokeObjectURL(link.href), 60_000);
 }
 
+// Returns { name, valueOf } of each column of a field.
+function columnsOf({ name, bytes }) {
+  if (name === 'color')
+    return ['red', 'green', 'blue'].map((level, n) => ({ name: level, valueOf: (voxel) => bytes[3 * voxel + n] }));
+  const values = name === 'distance' ? new Float32Array(bytes.buffer) : new Uint32Array(bytes.buffer);
+  return [{ name, valueOf: (voxel) => values[voxel] }];
+}
+
 // Returns the lines of a .csv: lattice coordinates, world positions, and fields, as `latvox -o a.csv` has them.
 export function csvOf(bricks, { origin, basis: [a, b, c] }, fields) {
   const parts = [],
-    columns = fields.map(({ name, bytes }) =>
-      name === 'distance' ? new Float32Array(bytes.buffer) : new Uint32Array(bytes.buffer),
-    );
-  let lines = [['i,j,k,x,y,z', ...fields.map(({ name }) => name)].join()];
+    columns = fields.flatMap(columnsOf);
+  let lines = [['i,j,k,x,y,z', ...columns.map(({ name }) => name)].join()];
   forEachVoxel(bricks, (i, j, k, number) => {
     const at = [0, 1, 2].map((m) => origin[m] + i * a[m] + j * b[m] + k * c[m]);
-    lines.push([i, j, k, ...at, ...columns.map((values) => values[number])].join());
+    lines.push([i, j, k, ...at, ...columns.map(({ valueOf }) => valueOf(number))].join());
     if (lines.length === LINES) {
       parts.push(`${lines.join('\n')}\n`);
       lines = [];

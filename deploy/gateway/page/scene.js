@@ -14,6 +14,7 @@ const ENTRIES = 24,
 
 const rgb = (color) => [16, 8, 0].map((shift) => (color >> shift) & 255);
 const hex = (levels) => `#${levels.map((level) => level.toString(16).padStart(2, '0')).join('')}`;
+const voxels = (count) => `${count} voxel${count === 1 ? '' : 's'}`;
 const list = ({ x = 0, y = 0, z = 0 } = {}) => [x, y, z];
 const ijk = ({ i = 0, j = 0, k = 0 } = {}) => [i, j, k];
 
@@ -75,8 +76,28 @@ function coordinates([a, b, c], v) {
   return [volume(v, b, c) / all, volume(a, v, c) / all, volume(a, b, v) / all];
 }
 
-// Returns { paint, colors } of a field with 4 bytes for each voxel.
+// Returns { paint, colors } of colors, 3 bytes for each voxel. The legend has the most frequent ones.
+function paintOfColors(bytes) {
+  const counts = new Map();
+  for (let at = 0; at < bytes.length; at += 3) {
+    const color = (bytes[at] << 16) | (bytes[at + 1] << 8) | bytes[at + 2];
+    counts.set(color, (counts.get(color) ?? 0) + 1);
+  }
+  const rows = [...counts].sort(([, a], [, b]) => b - a);
+  const legend = rows.slice(0, ENTRIES).map(([color, count]) => {
+    const name = hex(rgb(color));
+    return [name, `${name}: ${voxels(count)}`];
+  });
+  return { paint: { name: 'color', ramp: false, legend: withRest(legend, rows), values: 'rgb' }, colors: bytes };
+}
+
+function withRest(legend, rows) {
+  return rows.length > ENTRIES ? [...legend, ['', `and ${rows.length - ENTRIES} more`]] : legend;
+}
+
+// Returns { paint, colors } of a field.
 export function paintOf(name, bytes) {
+  if (name === 'color') return paintOfColors(bytes);
   const numbers = name === 'distance' ? new Float32Array(bytes.buffer) : new Uint32Array(bytes.buffer),
     colors = new Uint8Array(3 * numbers.length);
   if (name === 'distance') {
@@ -96,9 +117,8 @@ export function paintOf(name, bytes) {
   const rows = [...counts].sort(([a], [b]) => a - b);
   const legend = rows
     .slice(0, ENTRIES)
-    .map(([n, count]) => [hex(rgb(PALETTE[n % PALETTE.length])), `${name} ${n}: ${count} voxels`]);
-  if (rows.length > ENTRIES) legend.push(['', `and ${rows.length - ENTRIES} more`]);
-  return { paint: { name, ramp: false, legend, values: 'uint32' }, colors };
+    .map(([n, count]) => [hex(rgb(PALETTE[n % PALETTE.length])), `${name} ${n}: ${voxels(count)}`]);
+  return { paint: { name, ramp: false, legend: withRest(legend, rows), values: 'uint32' }, colors };
 }
 
 // Returns names and values of a message, with paths as names.
