@@ -39,10 +39,12 @@ class Call {
 
   // latvoxd is done. A caller that does not read the rest is dropped.
   ended() {
-    this.timer ??= setTimeout(
-      () => (this.response.stream ?? this.response).destroy(),
-      1000 * this.calls.options['stall-timeout'],
-    );
+    const limit = this.calls.options['stall-timeout'];
+    this.timer ??= setTimeout(() => {
+      const message = `stall-timeout: the caller has not read the end of its answer within ${limit} s`;
+      this.failed(this.calls.protocol.error(Code.Unavailable, 'CLIENT_STALLED', message, { limit: `${limit}s` }, 1));
+      (this.response.stream ?? this.response).destroy();
+    }, 1000 * limit);
   }
 
   close() {

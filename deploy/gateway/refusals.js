@@ -11,6 +11,7 @@ export const PASSED_DOWN = ['traceparent', 'grpc-retry-pushback-ms'];
 
 // The reasons of all errors of the gateway's own.
 export const REASONS = [
+  'CLIENT_STALLED',
   'LIMIT_EXCEEDED',
   'MEMORY_IN_USE',
   'SERVER_STOPPING',

@@ -46,10 +46,14 @@ class Gateway:
         self.address = address
         self.url = f"{'https' if self.secure else 'http'}://{address}"
 
+    def place(self):
+        """Returns host and port."""
+        host, port = self.address.split(":")
+        return host, int(port)
+
     def connect(self):
         """Returns a new connection."""
-        host, port = self.address.split(":")
-        connection = socket.create_connection((host, int(port)), timeout=PATIENCE)
+        connection = socket.create_connection(self.place(), timeout=PATIENCE)
         return ssl._create_unverified_context().wrap_socket(connection) if self.secure else connection
 
     def metrics(self):

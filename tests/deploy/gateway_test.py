@@ -6,6 +6,7 @@ import pathlib
 import os
 import re
 import signal
+import socket
 import ssl
 import subprocess
 import sys
@@ -273,6 +274,20 @@ class Limits(GatewayCase):
             for told in running.by_all("Pixelize", many):
                 self.assertEqual((told["code"], self.detail(told)["reason"]), ("ResourceExhausted", "LIMIT_EXCEEDED"))
 
+    def test_a_caller_that_does_not_read_the_end_is_dropped(self):
+        spec = {**BCC, "resolution": 1000, "supercover": {}, "rawMesh": self.about}
+        body = json.dumps({"spec": spec, "mesh": text(self.data)}).encode()
+        head = f"POST {SERVICE}VoxelizeSmall HTTP/1.1\r\nHost: a\r\nContent-Type: application/json\r\n"
+        options = ["--stall-timeout", "0.2", "--metrics-listen", "127.0.0.1:0"]
+        with harness.server(self.dir) as server, gateway(self.dir, server.address, *options) as running:
+            with socket.socket() as connection:
+                connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)  # the answer is larger than buffers
+                connection.connect(running.place())
+                connection.sendall(f"{head}Content-Length: {len(body)}\r\n\r\n".encode() + body)
+                running.await_log("method=VoxelizeSmall .*code=UNAVAILABLE .*error=\"stall-timeout: ")
+            counted = metrics_test.samples(running.metrics())
+        self.assertEqual(counted['latvox_gateway_rejections_total{reason="CLIENT_STALLED"}'], 1)
+
     def test_a_killed_server_ends_its_calls_as_unavailable(self):
         address = f"unix:{self.dir}/latvoxd.socket"
         with open(self.dir / "latvoxd.log", "wb") as log:
@@ -354,10 +369,11 @@ class Metrics(GatewayCase):
         self.assertEqual(before['latvox_gateway_received_bytes_total{method="Pixelize"}'], sent)
         self.assertGreater(before['latvox_gateway_sent_bytes_total{method="Pixelize"}'], 100)
         self.assertGreater(before["process_resident_memory_bytes{}"], 20 << 20)
-        self.assertEqual((during["latvox_gateway_calls_running{}"], during["latvox_gateway_connections{}"]), (1, 1))
+        self.assertEqual(during["latvox_gateway_calls_running{}"], 1)
+        self.assertGreaterEqual(during["latvox_gateway_connections{}"], 1)
         self.assertGreater(during["latvox_gateway_body_bytes{}"], 100)
         self.assertEqual(after['latvox_gateway_requests_total{code="CANCELLED",method="VoxelizeStored"}'], 1)
-        self.assertGreater(after['latvox_gateway_sent_bytes_total{method="VoxelizeStored"}'], 4096)
+        self.assertGreater(after['latvox_gateway_sent_bytes_total{method="VoxelizeStored"}'], 100)
 
     def test_the_page_of_operators_the_dashboard_and_the_rules_name_those_that_are_there(self):
         certificate, key = Authority(self.dir, "a").issue("server", "server", "subjectAltName=IP:127.0.0.1")
@@ -401,8 +417,7 @@ class Reload(GatewayCase):
 
     def shown(self, running):
         """Returns the certificate that a new connection gets."""
-        host, port = running.address.split(":")
-        return ssl.get_server_certificate((host, int(port)))
+        return ssl.get_server_certificate(running.place())
 
     def test_new_connections_get_a_new_certificate_and_running_calls_go_on(self):
         authority = Authority(self.dir, "authority")
