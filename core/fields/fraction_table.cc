@@ -35,11 +35,13 @@ void FractionTable::Begin(const CellPoints& cell, const Vec3i& first, std::span<
   }
   numbers_.fill(0);
   bricks_.clear();
+  // New numbers of the field are 0. Most labels are nowhere in a tile, and then nothing is written.
+  const bool any_inside = std::ranges::any_of(inside, [](uint64_t row) { return row != 0; });
   uint32_t voxels = 0;
   for (const Brick& brick : tile.bricks) {
     const Vec3i brick_at = brick.brick_ijk - tile.tile_ijk * kBrickSide;
     const Vec3i at = brick_at * kBrickSide;
-    bricks_.push_back({&brick.mask, at, voxels, SetBrick(brick, at, voxels)});
+    bricks_.push_back({&brick.mask, at, voxels, any_inside ? SetBrick(brick, at, voxels) : Side::kOutside});
     numbers_[static_cast<size_t>(brick_at[0] << 6 | brick_at[1] << 3 | brick_at[2])] =
         static_cast<uint16_t>(bricks_.size());
     voxels += static_cast<uint32_t>(CountVoxels(brick.mask));

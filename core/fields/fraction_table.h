@@ -31,7 +31,7 @@ class FractionTable {
   //   cell      must live while this is used, as must `inside` and the tile, unchanged
   //   first     the finer point of the tile's lowest voxel
   //   inside    bit k of row (i << 6 | j): whether that voxel of the tile is inside
-  //   out       in the tile's field, which gets its size here
+  //   out       in the tile's field, which gets its size with its first column, and is empty before
   void Begin(const CellPoints& cell, const Vec3i& first, std::span<const uint64_t> inside, const TileBricks& tile,
              const Column& out);
 

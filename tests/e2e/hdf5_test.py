@@ -94,6 +94,10 @@ class Hdf5(Case):
     def test_fractions_and_an_empty_set(self):
         arrays, _ = self.write(BUNNY, "--resolution", "12", "--set", "solid", "--fields", "fraction:4")
         self.assertEqual((arrays["fields/fraction"].dtype, arrays["fields/fraction"].max()), (numpy.uint16, 64))
+        arrays, attributes = self.write(BUNNY, "--resolution", "12", "--set", "solid", "--labels", "part",
+                                        "--fields", "fraction:4,label_fractions:4", "--fraction-labels", "9,0")  # fmt: skip
+        numpy.testing.assert_array_equal(arrays["fields/label_fractions"][:, 1], arrays["fields/fraction"])
+        self.assertEqual((arrays["fields/label_fractions"][:, 0].max(), attributes["latvox_fraction_labels"]), (0, "9,0"))
         empty, attributes = self.write(BUNNY, "--resolution", "12", "--region", "1000,0,0,1001,1,1", "--fields", "normal")
         self.assertEqual((empty["sets/voxels/ijk"].shape, empty["fields/normal"].shape), ((0, 3), (0, 3)))
         self.assertNotIn("index_box", attributes)

@@ -89,11 +89,15 @@ class LabelFractions(Case):
                 numpy.testing.assert_array_equal(dense[name][dense["data"] != 0], placed[name])
                 numpy.testing.assert_array_equal(cells[name], dense[name].ravel(order="F"))
                 numpy.testing.assert_array_equal(again[name], placed[name])
+        latvox("convert", self.dir / "a.vdb", "-o", self.dir / "c.csv", "--fields", "label_fractions")
+        self.assertEqual((self.dir / "c.csv").read_text().splitlines()[0], "i,j,k,x,y,z,fraction_2,fraction_0,fraction_99")
         info = latvox("info", self.dir / "a.vdb").stdout
         self.assertRegex(info, r"latvox_fraction_labels\W+2,0,99")
         self.assertIn('"fraction_labels":[2,0,99]', info)
-        compared = latvox("compare", self.dir / "a.vdb", self.dir / "a.vdb")
-        self.assertEqual(compared.returncode, 0, compared.stderr)
+        self.voxelize(self.mesh, *GRID, "--fields", "label_fractions:4", "--fraction-labels", "0,2,99", out="other.vdb")
+        for other, status in (("a.vdb", 0), ("other.vdb", 1)):
+            compared = latvox("compare", self.dir / "a.vdb", self.dir / other)
+            self.assertEqual((compared.returncode, "latvox_fraction_labels" in compared.stdout), (status, status == 1), compared.stderr)
 
     def test_a_batch_and_parts_are_as_the_whole(self):
         options = ["--resolution", "90", "--lattice", "bcc", "--set", "solid", "--labels", "part"]

@@ -11,7 +11,8 @@
 #include <vector>
 
 #include "absl/status/status.h"
-#include "core/request/rules.h"
+#include "core/request/request.h"
+#include "core/voxelizer/estimate.h"
 #include "core/voxelizer/voxelizer.h"
 #include "tests/unit/core/exact.h"
 #include "tests/unit/core/fields.h"
@@ -136,8 +137,8 @@ Bodies Spheres(int rings, float radius) {
 
 TEST_P(LabelFractionOnLattice, IsThatOfALabeledSolidOnTheFinerLattice) {
   const Lattice& lattice = GetParam().lattice;
-  const Bodies bodies = Spheres(30, 12);
-  constexpr uint32_t kN = 4;
+  const Bodies bodies = Spheres(30, 9);
+  constexpr uint32_t kN = 3;
   for (const std::vector<uint32_t>& priority : {std::vector<uint32_t>{}, std::vector<uint32_t>{2, 5, 9}}) {
     const Solid inside{.surface = SolidSurface::kNone, .labels = Field::kPart, .priority = priority};
     const Result finer =
@@ -154,7 +155,7 @@ TEST_P(LabelFractionOnLattice, IsThatOfALabeledSolidOnTheFinerLattice) {
 
 TEST(LabelFraction, OfPartsIsThatOfTheWhole) {
   const Grid grid = Unscaled(Lattice::Named(NamedLattice::kBcc));
-  const TriangleMesh mesh = Spheres(40, 50).World(grid.lattice, {});
+  const TriangleMesh mesh = Spheres(40, 36).World(grid.lattice, {});
   const VoxelizeOptions whole = Options({}, 3);
   const Result all = Voxelize(mesh, grid, whole);
   for (const JobTotals& sum : {TotalsOfShards(mesh, grid, whole, 3), TotalsOfHalves(mesh, grid, whole, all)}) {
@@ -199,6 +200,20 @@ TEST(LabelFraction, OfAHeapIsThatOfItsFinerHeap) {
   const OwnerOracle owners({{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}, kN);
   const Result result = Voxelize(heap, grid, Options({.surface = SolidSurface::kSupercover}, kN));
   EXPECT_EQ(FractionsOf(result, 7, true), Count(points, owners, {0, 1, 2, 3, 4, 5, 6}));
+}
+
+TEST(LabelFraction, IsEstimatedByTheNumberOfLabels) {
+  const Grid grid = Unscaled(Lattice::Named(NamedLattice::kCartesian));
+  const TriangleMesh mesh = Spheres(30, 12).World(grid.lattice, {});
+  const auto visits = [&](const VoxelizeOptions& options) {
+    return EstimateVisits(mesh, ExtentOf(mesh), grid, *MakeRequest(options));
+  };
+  VoxelizeOptions plain = Options({}, 8);
+  plain.fields = {Field::kPart, Field::kFraction};
+  const double one = visits(Options({}, 8, {2})), two = visits(Options({}, 8, {2, 5}));
+  EXPECT_LT(visits(plain), one);
+  EXPECT_LT(one, two);
+  EXPECT_NEAR(visits(Options({}, 8)), one + 31 * (two - one), one * 1e-9) << "as many as there may be";
 }
 
 absl::Status RefusalOf(const VoxelizeOptions& options, uint32_t labels = 1) {

@@ -26,9 +26,10 @@ GridContent Whole() {
   info.active_box = IndexBox{{-8, 0, 0}, {1, 1, 2}};
   info.metadata = {{"latvox_digest", "12"}, {"empty", ""}};
   content.file.bricks = {{{-1, 0, 0}, {1, 0, 0, 0, 0, 0, 0, 0}}, {{0, 0, 0}, {3, 0, 0, 0, 0, 0, 0, 0}}};
-  content.fields = {ValuesOf<uint32_t>(Field::kPart, {1, 2, 3}),
-                    ValuesOf<uint8_t>(Field::kColor, {1, 2, 3, 4, 5, 6, 7, 8, 9}),
-                    ValuesOf<float>(Field::kDistance, {0, -1, 2})};
+  content.fields = {
+      ValuesOf<uint32_t>(Field::kPart, {1, 2, 3}), ValuesOf<uint8_t>(Field::kColor, {1, 2, 3, 4, 5, 6, 7, 8, 9}),
+      ValuesOf<float>(Field::kDistance, {0, -1, 2}), ValuesOf<uint16_t>(Field::kLabelFractions, {8, 0, 1, 2, 3, 4})};
+  content.fields.back().labels = {7, 3};
   content.distances = DistanceRange{2, true};
   return content;
 }
@@ -62,7 +63,7 @@ TEST(ContentWire, TellsAWholeContent) {
 TEST(ContentWire, TellsABand) {
   GridContent band = Whole();
   band.is_band = true;
-  band.fields.erase(band.fields.begin(), band.fields.begin() + 2);
+  band.fields = {band.fields[2]};
   const auto content = Read(Bytes(band));
   ASSERT_TRUE(content.ok()) << content.status();
   EXPECT_TRUE(content->is_band);
@@ -96,7 +97,14 @@ TEST(ContentWire, BelievesNothing) {
       [](GridContent& c) { c.fields[0].field = static_cast<Field>(77); },
       [](GridContent& c) { std::swap(c.fields[0], c.fields[1]); },
       [](GridContent& c) { c.fields[1] = c.fields[0]; },
-      [](GridContent& c) { c.fields.pop_back(); },
+      [](GridContent& c) { c.fields.erase(c.fields.begin() + 2); },
+      [](GridContent& c) { c.fields[0].labels = {7}; },
+      [](GridContent& c) { c.fields[3].labels.clear(); },
+      [](GridContent& c) { c.fields[3].labels.pop_back(); },
+      [](GridContent& c) {
+        c.fields[3].labels.resize(33);
+        c.fields[3].bytes.resize(size_t{3} * 33 * 2);
+      },
       [](GridContent& c) {
         c.fields[2] = ValuesOf<float>(Field::kDistance, {1, 2, HUGE_VALF});
       },
