@@ -38,8 +38,10 @@ enum class NumberType {
   kFloat32,  // IEEE 754, 32 bits, little-endian
 };
 
-// Numbers of components that depend on the call: one for each of Accepted::neighbors or Accepted::fraction_labels.
-inline constexpr size_t kOneForEachNeighbor = 0, kOneForEachLabel = static_cast<size_t>(-1);
+// As FieldFacts::components: a component for each of Accepted::neighbors.
+inline constexpr size_t kOneForEachNeighbor = 0;
+// As FieldFacts::components: a component for each of Accepted::fraction_labels.
+inline constexpr size_t kOneForEachLabel = static_cast<size_t>(-1);
 
 // A field's name, and the form of its values.
 struct FieldFacts {
