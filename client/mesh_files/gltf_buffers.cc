@@ -8,6 +8,7 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/escaping.h"
 #include "absl/strings/match.h"
+#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "client/mesh_files/bad.h"
 #include "client/mesh_files/gltf_meshopt.h"
@@ -21,8 +22,9 @@ std::string Unescaped(absl::string_view uri) {
   const auto is_digit = [&](size_t n) { return n < uri.size() && absl::ascii_isxdigit(static_cast<uint8_t>(uri[n])); };
   std::string text;
   for (size_t n = 0; n < uri.size(); ++n) {
-    if (uri[n] == '%' && is_digit(n + 1) && is_digit(n + 2)) {
-      text += absl::HexStringToBytes(uri.substr(n + 1, 2));
+    uint32_t byte = 0;
+    if (uri[n] == '%' && is_digit(n + 1) && is_digit(n + 2) && absl::SimpleHexAtoi(uri.substr(n + 1, 2), &byte)) {
+      text += static_cast<char>(byte);
       n += 2;
     } else {
       text += uri[n];

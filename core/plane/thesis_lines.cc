@@ -173,7 +173,8 @@ std::vector<Vec2i> IncrementalLines(const std::vector<Segment>& segments, const 
       pixels.push_back(ToPixel(segment.a_lat));
       continue;
     }
-    const PlaneFrame& frame = PrincipalFrame(lattice.frames(k), NormalOf(segment));
+    const auto normal = NormalOf(segment);
+    const PlaneFrame& frame = PrincipalFrame(lattice.frames(k), normal);
     const FramedSegment framed(segment, frame);
     const int64_t first = framed.x0 / kLatticeUnit, last = framed.x1 / kLatticeUnit;  // exact
     LineWalk walk(framed, frame, first);

@@ -69,7 +69,9 @@ void SetText(const toml::array& texts, FileSetting& setting) {
 }
 
 FileSetting SettingOf(std::string_view key, const toml::node& value) {
-  FileSetting setting{.key = std::string(key), .line = value.source().begin.line};
+  FileSetting setting;
+  setting.key = key;
+  setting.line = value.source().begin.line;
   setting.kind_name = NameOf(value.type());
   const auto set = [&setting](Kind kind, std::string word) {
     setting.kind = kind;
