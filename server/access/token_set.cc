@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "absl/strings/ascii.h"
-#include "absl/strings/escaping.h"
 #include "absl/strings/match.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
@@ -111,8 +110,11 @@ absl::StatusOr<TokenSet::Sha256> TokenSet::ReadToken(absl::string_view word) {
                         return absl::ascii_isxdigit(static_cast<unsigned char>(c));
                       });
     if (!good) return absl::InvalidArgumentError("sha256: is not followed by 64 hexadecimal digits");
-    const std::string bytes = absl::HexStringToBytes(word);
-    std::copy(bytes.begin(), bytes.end(), digest.begin());
+    for (size_t n = 0; n < digest.size(); ++n) {
+      uint32_t byte = 0;
+      static_cast<void>(absl::SimpleHexAtoi(word.substr(2 * n, 2), &byte));  // they are digits
+      digest[n] = static_cast<uint8_t>(byte);
+    }
     return digest;
   }
   if (word.size() < kShortest || word.size() > kLongest) {

@@ -1,6 +1,6 @@
 #include "client/tool/cli/picture_style_option.h"
 
-#include "absl/strings/escaping.h"
+#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/strip.h"
 
@@ -31,10 +31,9 @@ std::string CheckColor(const std::string& text) {
 }
 
 Rgb8 ParseColor(const std::string& text) {
-  const std::string bytes = absl::HexStringToBytes(absl::StripPrefix(text, "#"));
-  Rgb8 color;
-  for (size_t m = 0; m < color.size(); ++m) color[m] = static_cast<uint8_t>(bytes[m]);
-  return color;
+  uint32_t rgb = 0;
+  static_cast<void>(absl::SimpleHexAtoi(absl::StripPrefix(text, "#"), &rgb));  // CheckColor has accepted it
+  return {static_cast<uint8_t>(rgb >> 16), static_cast<uint8_t>(rgb >> 8), static_cast<uint8_t>(rgb)};
 }
 
 void AddPictureStyleOptions(CommandParser& command, const std::string& crop, PictureStyleWords& words) {
