@@ -293,6 +293,8 @@ class Page(Case):
         again.rest()
         self.assertEqual(again.run("document.getElementById('error').innerText"),
                          'basis: "1, 2, x" is not nine numbers a1,a2,a3,b1,b2,b3,c1,c2,c3')  # fmt: skip
+        hidden = "['run', 'cancel', 'progress', 'result'].map((id) => document.getElementById(id).hidden)"
+        self.assertEqual(again.run(hidden), [False, True, True, True])
         again.run("document.forms[0].elements.basis.value = '1 0 0 0 1 0 1 1 0'")
         again.run("document.forms[0].requestSubmit()")
         again.rest()

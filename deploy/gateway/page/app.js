@@ -77,8 +77,16 @@ async function take(file) {
   }
 }
 
+// Shows what a person may do while a job runs, or while none does.
+function setRunning(runs) {
+  for (const id of ['cancel', 'progress']) byId(id).hidden = !runs;
+  byId('run').hidden = runs;
+  document.body.dataset.busy = runs ? 'yes' : 'no';
+}
+
 // Returns null, and says why, for a setting that is wrong.
 function jobOf() {
+  say('');
   if (!form.reportValidity()) return null;
   try {
     return new Job(service, state.mesh, settings(), byId('viewer'));
@@ -93,16 +101,9 @@ async function run() {
   if (state.mesh === null) return;
   state.job?.cancel();
   const job = (state.job = jobOf());
-  document.body.dataset.busy = 'no';
+  byId('result').hidden = true; // its buttons save the last job
+  setRunning(job !== null);
   if (job === null) return;
-  for (const [id, hidden] of [
-    ['cancel', false],
-    ['progress', false],
-    ['result', true],
-    ['run', true],
-  ])
-    byId(id).hidden = hidden;
-  document.body.dataset.busy = 'yes';
   try {
     history.replaceState(null, '', address());
     await job.run((text, share) => {
@@ -114,15 +115,7 @@ async function run() {
   } catch (error) {
     if (job === state.job) fail(job, error);
   } finally {
-    if (job === state.job) {
-      for (const [id, hidden] of [
-        ['cancel', true],
-        ['progress', true],
-        ['run', false],
-      ])
-        byId(id).hidden = hidden;
-      document.body.dataset.busy = 'no';
-    }
+    if (job === state.job) setRunning(false);
   }
 }
 
