@@ -37,8 +37,9 @@ class Call {
     this.error ??= error;
   }
 
-  // latvoxd is done. A caller that does not read the rest is dropped.
+  // latvoxd is done. A caller that does not read the rest is dropped. One that left before is no longer here.
   ended() {
+    if (this.isClosed) return;
     const limit = this.calls.options['stall-timeout'];
     this.timer ??= setTimeout(() => {
       const message = `stall-timeout: the caller has not read the end of its answer within ${limit} s`;
@@ -48,6 +49,7 @@ class Call {
   }
 
   close() {
+    this.isClosed = true;
     clearTimeout(this.timer);
     this.calls.leave(this);
     const { error, response } = this,
