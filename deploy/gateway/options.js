@@ -43,7 +43,7 @@ const tcp = (text) => {
 const upstreams = (text) => text.split(',').map((one) => (one.startsWith('unix:') ? { path: one.slice(5) } : tcp(one)));
 
 const origins = (text) =>
-  text.split(',').map((origin) => {
+  (text === '' ? [] : text.split(',')).map((origin) => {
     if (origin === '*') return origin;
     let found;
     try {

@@ -55,8 +55,9 @@ export class Upstreams {
 
   // Later calls use connections with these texts. Calls on the old connections go on; those end when idle.
   renew([caPath, ...pairPaths], [ca, cert, key]) {
-    if (ca) certificateOf(caPath, ca);
-    if (cert) checkPair(pairPaths, [cert, key]);
+    // An empty file is an error. Without roots of its own, a connection would trust those of the system.
+    if (caPath) certificateOf(caPath, ca);
+    if (pairPaths[0]) checkPair(pairPaths, [cert, key]);
     this.texts = Object.fromEntries(Object.entries({ ca, cert, key }).filter(([, text]) => text));
     for (const [name, { target }] of this.servers) this.servers.set(name, this.serverOf(name, target));
     return { paths: [caPath, ...pairPaths].filter(Boolean).join() };

@@ -406,6 +406,13 @@ class Metrics(GatewayCase):
         self.assertEqual((said.returncode, said.stdout + said.stderr), (0, ""))
 
 
+def put(path, text):
+    """Replaces a file at once, because the gateway may look at any moment."""
+    new = path.with_name(path.name + ".new")
+    new.write_text(text)
+    os.replace(new, path)
+
+
 class Reload(GatewayCase):
     ORIGIN = {"Origin": "https://a.example"}
 
@@ -464,12 +471,13 @@ class Reload(GatewayCase):
             with gateway(self.dir, address, *options, errors=["upstream_tls_kept"]) as running:
                 for n, (root, status) in enumerate([(authority, 200), (other, 503), (authority, 200)]):
                     if n > 0:
-                        roots.write_text(root.root.read_text())
+                        put(roots, root.root.read_text())
                         running.await_log("event=upstream_tls_read", n)
                     self.assertEqual(running.post("GetLimits", {})[0], status)
-                roots.write_text("nothing")
-                running.await_log(f"event=upstream_tls_kept .*{roots}: it holds no certificate in PEM form")
-                self.assertEqual(running.post("GetLimits", {})[0], 200)
+                for n, wrong in enumerate(["", "nothing"], 1):
+                    put(roots, wrong)
+                    running.await_log(f"event=upstream_tls_kept .*{roots}: it holds no certificate in PEM form", n)
+                    self.assertEqual(running.post("GetLimits", {})[0], 200)
 
     def test_origins_and_log_level_follow_the_configuration_file(self):
         file = self.dir / "gateway.toml"
@@ -486,18 +494,21 @@ class Reload(GatewayCase):
             self.assertFalse(may(running))
             self.assertNotIn("level=debug", running.log())
             origins = 'cors-origin = ["https://b.example", "https://a.example"]'
-            file.write_text(f'{origins}\nlog-level = "debug"\nmax-calls = 8\n')
+            put(file, f'{origins}\nlog-level = "debug"\nmax-calls = 8\n')
             running.process.send_signal(signal.SIGHUP)
             running.await_log(f"level=info event=configuration_read path={file}")
             running.await_log("level=warning event=restart_needed options=max-calls")
             self.assertTrue(may(running))
             running.await_log("level=debug event=request method=GetLimits")
-            file.write_text("max-calls = 0")
+            put(file, "max-calls = 0")
             running.await_log(f'event=reload_failed error="{file}: max-calls: 0 is not between 1 and 100000"')
             self.assertTrue(may(running))
             file.unlink()
             running.await_log(f'event=reload_failed error="{file}: it cannot be read: ENOENT"')
             self.assertTrue(may(running))
+            put(file, "cors-origin = []")
+            running.await_log("event=configuration_read", 2)
+            self.assertFalse(may(running))
 
 
 class Installed(Case):
