@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <climits>
 #include <latch>
 #include <new>
 #include <string>
@@ -28,7 +29,7 @@ constexpr size_t kProbeBytes = size_t{64} << 20;
 // Addresses for each arena of the heap. An arena may take 128 MiB for a moment.
 constexpr uint64_t kBytesOfArena = uint64_t{2} << 30;
 
-// Of a thread that only waits.
+// Of a thread that only waits. ARM's least stack is larger.
 constexpr size_t kSmallStack = size_t{64} << 10;
 
 bool CanMap(size_t bytes) {
@@ -100,7 +101,7 @@ absl::Status CheckAddresses(uint64_t bytes) {
 absl::Status CheckThreads(int count) {
   pthread_attr_t attributes;
   if (pthread_attr_init(&attributes) != 0) return NoMemory();
-  pthread_attr_setstacksize(&attributes, kSmallStack);
+  pthread_attr_setstacksize(&attributes, std::max(kSmallStack, static_cast<size_t>(PTHREAD_STACK_MIN)));
   std::latch counted(1);
   const auto wait = [](void* latch) -> void* {
     static_cast<std::latch*>(latch)->wait();
