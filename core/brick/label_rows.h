@@ -19,9 +19,10 @@ namespace latvox {
 class LabelRows {
  public:
   // Sets the points of a tile.
-  //   labels   the same ones each time, few
+  //   labels   few
   //   runs     not empty
   void Set(std::span<const uint32_t> labels, const LabelRuns& runs) {
+    found_.fill({});  // of other labels, maybe
     rows_.resize(labels.size(), std::vector<uint64_t>(kRows));
     is_present_.resize(labels.size());
     for (size_t n = 0; n < labels.size(); ++n) {
