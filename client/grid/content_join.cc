@@ -32,7 +32,10 @@ uint64_t CountBefore(const Brick& brick, size_t bit) {
 bool HasVoxel(const Brick& brick, size_t bit) { return (brick.mask[bit / 64] >> bit % 64 & 1) != 0; }
 
 std::string NamesOf(const std::vector<FieldValues>& fields) {
-  const auto name = [](std::string* out, const FieldValues& values) { *out += NameOf(values.field); };
+  const auto name = [](std::string* out, const FieldValues& values) {
+    *out += NameOf(values.field);
+    if (!values.labels.empty()) absl::StrAppend(out, " of ", absl::StrJoin(values.labels, " "));
+  };
   return fields.empty() ? "absent" : absl::StrJoin(fields, ",", name);
 }
 

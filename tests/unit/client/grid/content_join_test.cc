@@ -102,5 +102,13 @@ TEST(ContentJoin, FieldsThatDiffer) {
             "b.vdb: its fields are absent, but part,fraction in a.vdb");
 }
 
+TEST(ContentJoin, LabelsThatDiffer) {
+  PartContent a = ToPart("a.vdb", {}), b = ToPart("b.vdb", {});
+  a.content.fields = {{Field::kLabelFractions, {}, 0, {7, 3}}};
+  b.content.fields = {{Field::kLabelFractions, {}, 0, {3}}};
+  EXPECT_EQ(JoinContents({a, b}, /*disjoint=*/false).status().message(),
+            "b.vdb: its fields are label_fractions of 3, but label_fractions of 7 3 in a.vdb");
+}
+
 }  // namespace
 }  // namespace latvox::client
