@@ -43,8 +43,8 @@ double EstimateVoxels(const TriangleMesh& mesh, const MeshExtent& extent, const 
 //   supercover    its voxels, and for each triangle the number that takes as long as its separating axes
 //   walk          its surface once more, and the distances that `close` asks for, whatever part is delivered
 //   fields        also the points that take as long as the search for each voxel's nearest triangle
-//   fraction      also the points that take as long as a count of the finer points near the mesh; with labels, for
-//                 each of them
+//   fraction      also the points that take as long as a count of the finer points near the mesh; with labels, as
+//                 the counts for those nearby, and as the numbers of all
 //   others        their voxels, each once for each triangle; for needles the number that takes as long as their rows,
 //                 and, where triangles fill a volume, the number that takes as long as thinning
 //
