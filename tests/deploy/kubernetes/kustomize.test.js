@@ -1,7 +1,7 @@
 // Checks the output of kustomize for deploy/kubernetes, and the Secrets of deploy/docs. Exits with 77,
 // ctest's "skipped", without kustomize or kubectl.
 import assert from 'node:assert/strict';
-import { cpSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { cpSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import path from 'node:path';
 import { test } from 'node:test';
@@ -30,11 +30,14 @@ test('batch: workers count as many workers as there are', () => {
   assert.equal(value, String(spec.completions));
 });
 
-// Renders the folder `site` with components beside its own, and with other values, in a copy of deploy/kubernetes.
-function site({ before = [], after = [], change = (values) => values }) {
+// Renders the folder `site` with components beside its own, and with other values, in a copy of deploy/kubernetes. `own`:
+// the texts of a component's files, by their names.
+function site({ before = [], after = [], own = {}, change = (values) => values }) {
   const root = mkdtempSync(path.join(tmpdir(), 'latvox-site-'));
   try {
     cpSync(ROOT, root, { recursive: true });
+    mkdirSync(path.join(root, 'components/own'));
+    for (const [name, text] of Object.entries(own)) writeFileSync(path.join(root, 'components/own', name), text);
     const components = [...before, 'values', ...after].map((name) => `../components/${name}`);
     writeFileSync(path.join(root, 'site/kustomization.yaml'), JSON.stringify({ ...kustomization('site'), components }));
     const [values] = lone('site/values.yaml');
@@ -90,6 +93,16 @@ test('site: without haproxy, latvoxd has the port and the certificate; without t
   assert.deepEqual(containers.map(({ name, ports }) => [name, ports.map((port) => port.name).sort()]), [['latvoxd', ['grpc', 'health', 'metrics']]]);
   assert.deepEqual(objects.filter(({ kind }) => kind === 'ConfigMap').map(({ metadata }) => metadata.name.replace(/-[^-]*$/, '')), ['latvoxd']);
   assert.deepEqual(objects.filter(({ kind }) => kind === 'ServiceMonitor'), []);
+});
+
+test('site: options of latvoxd in a component of its own that is listed last are those of latvoxd', () => {
+  const generator = { name: 'latvoxd', behavior: 'replace', files: ['latvoxd.toml'] };
+  const component = { apiVersion: 'kustomize.config.k8s.io/v1alpha1', kind: 'Component', configMapGenerator: [generator] };
+  const own = { 'latvoxd.toml': 'tls-client-ca = "roots.pem"\n', 'kustomization.yaml': JSON.stringify(component) };
+  for (const after of [['own'], ['direct-tls', 'own']]) {
+    const maps = site({ after, own }).filter(({ kind, metadata }) => kind === 'ConfigMap' && metadata.name.startsWith('latvoxd-'));
+    assert.deepEqual(maps.map(({ data }) => data['latvoxd.toml']), [own['latvoxd.toml']]);
+  }
 });
 
 test('the Secrets are as deploy/docs make them', () => withFiles((run) => {
