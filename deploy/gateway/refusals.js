@@ -40,7 +40,8 @@ export class Protocol {
     return { type, value, ...(schema && { debug: toJson(schema, fromBinary(schema, value)) }) };
   }
 
-  // Returns an error with an ErrorInfo, whose `reason` is one of REASONS. With `seconds`, another try after them may help.
+  // Returns an error with an ErrorInfo, whose `reason` is one of REASONS. With `seconds`, another try after them may
+  // help.
   error(code, reason, message, metadata = {}, seconds = null) {
     const error = new ConnectError(message, code);
     error.details.push(this.detail('google.rpc.ErrorInfo', { domain: 'latvox', reason, metadata }));

@@ -168,7 +168,8 @@ class Voxels(Bricks):
         field: the field whose values it has; between the voxels they are NaN or 0. None: True for voxels.
         box: (low, high), two lattice points: low <= ijk < high. None: index_box, with the call's dims and pad.
 
-        Errors: InvalidArgument if the voxels do not fit into dims. Memory: a byte, or the bytes of the field, for each point. More than 2**30 points are an error.
+        Errors: InvalidArgument if the voxels do not fit into dims, or for more than 2**30 points.
+        Memory: a byte, or the bytes of the field, for each point.
         """
         corners = None if box is None else tuple(tuple(int(x) for x in corner) for corner in box)
         data, low = self._voxels.dense(corners, field or "")
