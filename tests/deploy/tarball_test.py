@@ -141,10 +141,12 @@ class AtWork(harness.Case):
         self.assert_loaded_from_the_tarball("latvoxd")
 
     def test_the_server_has_its_guard_and_its_decoders_and_ends_in_order(self):
-        metrics = f"127.0.0.1:{free_port()}"
-        with unittest.mock.patch.object(harness, "BIN", FOLDER / "bin"), harness.server(self.dir, "--metrics-listen", metrics) as server:
+        options = ["--metrics-listen", "127.0.0.1:0"]
+        with unittest.mock.patch.object(harness, "BIN", FOLDER / "bin"), harness.server(self.dir, *options) as server:
+            metrics = harness.await_log(self.dir, r"event=metrics address=(\S+)")
             self.job(harness.BUNNY, "--server", server.address, "--upload", "draco", "-o", "a.csv")
             with socket.socket(socket.AF_UNIX) as attack:
+                attack.settimeout(harness.PATIENCE)
                 attack.connect(server.address.removeprefix("unix:"))
                 attack.sendall(b"PRI / HTTP/1.1\r\n\r\n")  # it begins like HTTP/2
                 while attack.recv(4096):
@@ -153,11 +155,6 @@ class AtWork(harness.Case):
         self.assertIn('latvox_connections_closed_total{offense="preface"} 1\n', told)
         self.assertRegex(told, r"latvox_decoder_decodes_total [1-9]")
         self.assertNotIn("no_guard", (self.dir / "latvoxd.log").read_text())
-
-
-def free_port():
-    with socket.create_server(("127.0.0.1", 0)) as listener:
-        return listener.getsockname()[1]
 
 
 if __name__ == "__main__":
