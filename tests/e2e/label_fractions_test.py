@@ -135,6 +135,7 @@ class LabelFractions(Case):
         for more, status, says in (
             (["--fields", "label_fractions"], 2, "label_fractions needs a number of points along each axis, such as label_fractions:8"),
             (["--fields", "label_fractions:1"], 3, "fraction_n 1 is below 2"),
+            (["--fields", "fraction:0,label_fractions:4"], 2, "need the same number of points, not 0 and 4"),
             (["--fields", "fraction:2", "--fraction-labels", "1"], 3, "fraction_labels: needs label_fractions among fields"),
             (["--fields", "label_fractions:2", "--fraction-labels", "1,x"], 2, '"x" is not the number of a label'),
             (["--fields", "label_fractions:2", "--fraction-labels", "1,1"], 3, "fraction_labels 1 occurs twice"),

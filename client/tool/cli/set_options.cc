@@ -37,15 +37,19 @@ bool ConsumePoints(absl::string_view& word, uint32_t& points) {
 
 std::string CheckFields(const std::string& text) {
   std::vector<absl::string_view> seen;
-  uint32_t points = 0;
+  std::optional<uint32_t> before;
   for (absl::string_view word : absl::StrSplit(text, ',')) {
-    const uint32_t before = points;
+    const size_t length = word.size();
+    uint32_t points = 0;
     if (!ConsumePoints(word, points)) {
       return absl::StrCat(word, " needs a number of points along each axis, such as ", word, ":8");
     }
-    if (before != 0 && points != before) {
-      return absl::StrCat("fraction and label_fractions need the same number of points, not ", before, " and ", points);
+    const bool has_points = word.size() < length;
+    if (has_points && before && points != *before) {
+      return absl::StrCat("fraction and label_fractions need the same number of points, not ", *before, " and ",
+                          points);
     }
+    if (has_points) before = points;
     const auto has_name = [word](const auto& name) { return name.first == word; };
     if (std::none_of(FieldNames().begin(), FieldNames().end(), has_name)) {
       return absl::StrCat("\"", word, "\" is not one of ", absl::StrJoin(WordsOf(FieldNames()), ", "));
