@@ -26,9 +26,11 @@ std::atomic<Connections*> guarded = nullptr;
 
 GuardLimits DefaultGuardLimits(int cores, double files, bool behind_proxy) {
   const double others = std::min(kOtherFiles, files / 2);
+  const auto connections = static_cast<size_t>(std::min(files - others, kMostConnections));
   return {.work_per_connection = kSecond / kConnectionsOfACore,
           .work_per_host = kSecond * cores / (behind_proxy ? 1 : kHostsOfAMachine),
-          .connections = static_cast<size_t>(std::min(files - others, kMostConnections))};
+          .connections = connections,
+          .connections_per_host = behind_proxy ? connections : connections / 2};
 }
 
 void StartGuard(const GuardLimits& limits) {

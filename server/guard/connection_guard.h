@@ -20,11 +20,12 @@ namespace latvox {
 
 struct GuardLimits {
   Work work_per_connection = 0, work_per_host = 0;  // in a second
-  size_t connections = 0;                           // in all; one host may have half of them
+  size_t connections = 0, connections_per_host = 0;
 };
 
 // Returns the limits for a machine with so many cores, and a process that may open so many files. Behind a proxy, which
-// limits each client by itself, one host sends the calls of everybody, and may cause the work of the whole machine.
+// limits each client by itself, one host sends the calls of everybody. So it may have all connections, and cause the
+// work of the whole machine.
 GuardLimits DefaultGuardLimits(int cores, double files, bool behind_proxy);
 
 // Guards connections that are accepted from now on, until the process ends. Further calls change nothing. Thread-safe.

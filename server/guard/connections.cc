@@ -60,7 +60,7 @@ std::optional<Offense> Connections::Add(int fd, const sockaddr_storage& address)
   if (static_cast<size_t>(fd) >= slots_.size() || count_ >= limits_.connections) return Offense::kHost;
   if (host && !host->SpendOnArrival(kAcceptWork, now)) return Offense::kHost;
   // Each connection holds its host twice, with TLS three times.
-  if (host && static_cast<size_t>(host.use_count()) > limits_.connections) return Offense::kHost;
+  if (host && static_cast<size_t>(host.use_count()) > 2 * limits_.connections_per_host) return Offense::kHost;
   const GuardedConnection* const before = slots_[fd].exchange(new GuardedConnection(limits_, std::move(host), now));
   if (before == nullptr) ++count_;
   delete before;

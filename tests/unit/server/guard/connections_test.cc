@@ -23,7 +23,8 @@ namespace {
 
 using ::testing::HasSubstr;
 
-constexpr GuardLimits kLimits = {.work_per_connection = 100'000'000, .work_per_host = 500'000'000, .connections = 100};
+constexpr GuardLimits kLimits = {
+    .work_per_connection = 100'000'000, .work_per_host = 500'000'000, .connections = 100, .connections_per_host = 50};
 
 sockaddr_storage Address(const std::string& host) {
   sockaddr_storage address{};
@@ -223,8 +224,11 @@ TEST(Exposure, OfAServerThatLacksDefenseNeedsAProxyOrCertificates) {
 
 TEST(GuardLimits, OfAHostAreAPartOfTheMachineAndAllOfItBehindAProxy) {
   constexpr Work kSecond = 1'000'000'000;
-  EXPECT_EQ(DefaultGuardLimits(16, 1024, false).work_per_host, 2 * kSecond);
-  EXPECT_EQ(DefaultGuardLimits(16, 1024, true).work_per_host, 16 * kSecond);
+  const GuardLimits limits = DefaultGuardLimits(16, 1024, false), proxied = DefaultGuardLimits(16, 1024, true);
+  EXPECT_EQ(limits.work_per_host, 2 * kSecond);
+  EXPECT_EQ(proxied.work_per_host, 16 * kSecond);
+  EXPECT_EQ(limits.connections_per_host, limits.connections / 2);
+  EXPECT_EQ(proxied.connections_per_host, proxied.connections);
 }
 
 TEST(GrpcVersion, HasTheFixOrNot) {
