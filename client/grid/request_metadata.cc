@@ -70,6 +70,7 @@ void AddNote(const MeshNote& note, Json& json) {
   if (note.skip_bad) json["skip_bad"] = true;
   if (note.alpha_cutoff) json["alpha_cutoff"] = *note.alpha_cutoff;
   if (!note.priority.empty()) json["priority"] = note.priority;
+  if (!note.fraction_labels.empty()) json["fraction_labels"] = note.fraction_labels;
 }
 
 // Everything except the note.

@@ -76,6 +76,8 @@ class LabelFractions(Case):
         table = self.table()
         self.assertEqual(list(table), ["fraction_2", "fraction_0", "fraction_99"])
         self.assertEqual((table["fraction_2"].sum(), table["fraction_99"].max()), (quarters(["pin"])["pin"], 0))
+        self.voxelize(self.mesh, *GRID, "--fields", "label_fractions:4", "--fraction-labels", "pin,base,99", out="named.csv")
+        self.assertEqual((self.dir / "named.csv").read_text(), (self.dir / "out.csv").read_text())
         npy = numpy.load(self.dir / "a.npy")
         arrays = vtk_arrays(self.dir / "a.vtu", vtkXMLUnstructuredGridReader())
         cells = vtk_arrays(self.dir / "a.vti", vtkXMLImageDataReader())
@@ -137,7 +139,8 @@ class LabelFractions(Case):
             (["--fields", "label_fractions:1"], 3, "fraction_n 1 is below 2"),
             (["--fields", "fraction:0,label_fractions:4"], 2, "need the same number of points, not 0 and 4"),
             (["--fields", "fraction:2", "--fraction-labels", "1"], 3, "fraction_labels: needs label_fractions among fields"),
-            (["--fields", "label_fractions:2", "--fraction-labels", "1,x"], 2, '"x" is not the number of a label'),
+            (["--fields", "label_fractions:2", "--fraction-labels", "1,x"], 3,
+             '--fraction-labels: "x" is neither a number nor the name of a part'),
             (["--fields", "label_fractions:2", "--fraction-labels", "1,1"], 3, "fraction_labels 1 occurs twice"),
             (["--fields", "label_fractions:2", "--fraction-labels", ",".join(map(str, range(33)))], 3,
              "fraction_labels: 33 labels exceed 32"),

@@ -145,6 +145,7 @@ struct MeshNote {
   std::optional<int> quantization;                // bits of a position on the way to the server; 0: lossless
   bool skip_bad = false;                          // broken elements were left out
   std::vector<std::string> priority = {};         // Solid.priority in words: numbers, and names from the file
+  std::vector<std::string> fraction_labels = {};  // VoxelizeRequest.fraction_labels in such words
   std::optional<MeshFacts> facts = std::nullopt;  // as the server found them: they tell the parts of two meshes apart
   std::optional<double> alpha_cutoff = std::nullopt;  // voxels of less opacity were left out
   bool operator==(const MeshNote&) const = default;

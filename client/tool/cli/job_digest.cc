@@ -147,6 +147,7 @@ absl::StatusOr<std::string> JobDigest(const Job& job) {
   if (job.options.upload != UploadForm::kAuto) json["upload"] = static_cast<int>(job.options.upload);
   if (job.options.alpha_cutoff) json["alpha_cutoff"] = *job.options.alpha_cutoff;
   if (!job.options.priority.empty()) json["priority"] = job.options.priority;
+  if (!job.options.fraction_labels.empty()) json["fraction_labels"] = job.options.fraction_labels;
   if (job.options.strict) json["strict"] = true;
   if (job.options.weld_report) json["weld_report"] = true;
   // Names may not be UTF-8.

@@ -43,7 +43,7 @@ constexpr std::pair<const char*, Kind> kLineFields[] = {
     {"fields", Kind::kTexts},
     {"labels", Kind::kText},
     {"priority", Kind::kNumbersOrTexts},
-    {"fraction_labels", Kind::kNumbers},
+    {"fraction_labels", Kind::kNumbersOrTexts},
     {"signed", Kind::kFlag},
     {"alpha_cutoff", Kind::kNumber},
     {"upload", Kind::kText},

@@ -23,25 +23,25 @@ CarriedNames NamesOf(const Mesh& mesh, const std::vector<Field>& attributes) {
   return names;
 }
 
-absl::StatusOr<std::vector<uint32_t>> PriorityOf(const std::vector<std::string>& words, Field labels,
-                                                 const CarriedNames& names) {
-  std::vector<uint32_t> priority;
+absl::StatusOr<std::vector<uint32_t>> LabelsNamed(const std::vector<std::string>& words, const std::string& option,
+                                                  Field labels, const CarriedNames& names) {
+  std::vector<uint32_t> numbers;
   for (const std::string& word : words) {
     uint32_t number = 0;
     if (ParseNumber(word, number)) {
-      priority.push_back(number);
+      numbers.push_back(number);
       continue;
     }
     const std::vector<std::string>& known = names.Of(labels);
-    const size_t before = priority.size();
+    const size_t before = numbers.size();
     for (size_t n = known.size(); n-- > 0;) {
-      if (known[n] == word) priority.push_back(static_cast<uint32_t>(n));
+      if (known[n] == word) numbers.push_back(static_cast<uint32_t>(n));
     }
-    if (priority.size() > before) continue;
+    if (numbers.size() > before) continue;
     return absl::InvalidArgumentError(
-        absl::StrCat("--priority: \"", word, "\" is neither a number nor the name of a ", NameOf(labels)));
+        absl::StrCat(option, ": \"", word, "\" is neither a number nor the name of a ", NameOf(labels)));
   }
-  return priority;
+  return numbers;
 }
 
 }  // namespace latvox::client

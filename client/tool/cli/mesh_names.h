@@ -16,10 +16,10 @@ namespace latvox::client {
 // Returns the names of these attributes: none, or one for each part or material of the mesh.
 CarriedNames NamesOf(const Mesh& mesh, const std::vector<Field>& attributes);
 
-// Returns the labels that the words of --priority name: a number, or the numbers with a name, larger ones first.
-// Errors: INVALID_ARGUMENT: a word is neither.
-absl::StatusOr<std::vector<uint32_t>> PriorityOf(const std::vector<std::string>& words, Field labels,
-                                                 const CarriedNames& names);
+// Returns the labels that the words of an option name: a number, or the numbers with a name, larger ones first.
+// Errors: INVALID_ARGUMENT, naming the option: a word is neither.
+absl::StatusOr<std::vector<uint32_t>> LabelsNamed(const std::vector<std::string>& words, const std::string& option,
+                                                  Field labels, const CarriedNames& names);
 
 }  // namespace latvox::client
 

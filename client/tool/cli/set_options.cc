@@ -62,14 +62,6 @@ std::string CheckFields(const std::string& text) {
 
 std::string CheckLabels(const std::string& text) {
   for (const absl::string_view word : absl::StrSplit(text, ',')) {
-    uint32_t label = 0;
-    if (!ParseNumber(word, label)) return absl::StrCat("\"", word, "\" is not the number of a label");
-  }
-  return "";
-}
-
-std::string CheckPriority(const std::string& text) {
-  for (const absl::string_view word : absl::StrSplit(text, ',')) {
     if (word.empty()) return absl::StrCat("\"", text, "\" has an empty label");
   }
   return "";
@@ -108,7 +100,7 @@ std::optional<Field> LabelsOf(const VoxelizeWords& words) {
   return labels;
 }
 
-// The labels that --priority lists, if all are numbers. Otherwise the mesh's file must be read first.
+// The labels that an option lists, if all are numbers. Otherwise the mesh's file must be read first.
 std::vector<uint32_t> NumbersOf(const std::vector<std::string>& labels) {
   std::vector<uint32_t> numbers;
   for (const std::string& label : labels) {
@@ -119,9 +111,9 @@ std::vector<uint32_t> NumbersOf(const std::vector<std::string>& labels) {
   return numbers;
 }
 
-std::vector<std::string> PriorityWords(const VoxelizeWords& words) {
-  if (words.priority.empty()) return {};
-  return absl::StrSplit(words.priority, ',');
+std::vector<std::string> LabelWords(const std::string& text) {
+  if (text.empty()) return {};
+  return absl::StrSplit(text, ',');
 }
 
 // The names of sets. Those that need no further option have their value here.
@@ -270,10 +262,10 @@ std::vector<OptionRow> FieldRows(VoxelizeWords& words) {
        .help =
            "Labels that cover the others, numbers or names, the highest first; then all others, larger numbers first",
        .value = "LABEL,...",
-       .checks = {{CheckPriority}}},
+       .checks = {{CheckLabels}}},
       {.names = "--fraction-labels",
        .target = &words.fraction_labels,
-       .help = "Labels whose label_fractions voxels carry, at most 32",
+       .help = "Labels whose label_fractions voxels carry, numbers or names, at most 32",
        .value = "LABEL,...",
        .checks = {{CheckLabels}},
        .standard = "all of the mesh, ascending"},
@@ -347,7 +339,7 @@ VoxelSet InterpretSet(const VoxelizeWords& words) {
     solid->rule = RuleOf(words);
     solid->force_open = words.force_open;
     solid->labels = LabelsOf(words);
-    solid->priority = NumbersOf(PriorityWords(words));
+    solid->priority = NumbersOf(LabelWords(words.priority));
     return set;
   }
   if (!words.rule.empty()) Refuse("--rule: needs --set solid, supercover-solid or interior, not ", name);
@@ -368,11 +360,12 @@ void InterpretFields(const VoxelizeWords& words, VoxelizeOptions& options) {
   } else if (std::holds_alternative<Band>(request.set)) {
     request.fields = {Field::kDistance};
   }
-  if (!words.fraction_labels.empty()) request.fraction_labels = NumbersOf(absl::StrSplit(words.fraction_labels, ','));
+  request.fraction_labels = NumbersOf(LabelWords(words.fraction_labels));
+  if (request.fraction_labels.empty()) options.fraction_labels = LabelWords(words.fraction_labels);
   InterpretBaseColors(words, options);
   if (const auto* const solid = std::get_if<Solid>(&request.set); solid != nullptr && solid->labels) {
     if (!CarriesField(request.fields, *solid->labels)) request.fields.push_back(*solid->labels);
-    if (solid->priority.empty()) options.priority = PriorityWords(words);
+    if (solid->priority.empty()) options.priority = LabelWords(words.priority);
   }
   request.signed_distance = words.is_signed;
   if (words.is_signed && !CarriesField(request.fields, Field::kDistance)) Refuse("--signed: needs --fields distance");

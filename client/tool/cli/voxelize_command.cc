@@ -63,6 +63,24 @@ absl::Status WithMesh(const absl::Status& status, const MeshSource& mesh) {
   return named;
 }
 
+// Writes the labels that options name to the request.
+absl::Status ReplaceNames(const VoxelizeOptions& options, const CarriedNames& names, VoxelizeRequest& request) {
+  auto* const solid = std::get_if<Solid>(&request.set);
+  const auto replace = [&](const char* option, const std::vector<std::string>& words, std::vector<uint32_t>& labels) {
+    if (words.empty()) return absl::OkStatus();
+    auto numbers = LabelsNamed(words, option, *solid->labels, names);
+    if (numbers.ok()) labels = *std::move(numbers);
+    return numbers.status();
+  };
+  if (solid == nullptr || !solid->labels) {
+    return options.fraction_labels.empty()
+               ? absl::OkStatus()
+               : absl::InvalidArgumentError("--fraction-labels: names need --labels part or material");
+  }
+  if (auto status = replace("--priority", options.priority, solid->priority); !status.ok()) return status;
+  return replace("--fraction-labels", options.fraction_labels, request.fraction_labels);
+}
+
 // Runs the call and writes its results to the outputs.
 absl::Status Call(const VoxelizeOptions& options, const MeshUpload& upload, const CallOptions& call,
                   const JobHooks& hooks, Outputs& outputs, std::vector<Warning>& warnings, VoxelizeReport& report) {
@@ -95,11 +113,7 @@ absl::Status Call(const VoxelizeOptions& options, const MeshUpload& upload, cons
   };
   VoxelizeRequest request = colors ? colors->ToSend() : options.request;
   request.raw_mesh = upload.raw;
-  if (auto* const solid = std::get_if<Solid>(&request.set); solid != nullptr && !options.priority.empty()) {
-    auto priority = PriorityOf(options.priority, *solid->labels, upload.names);
-    if (!priority.ok()) return priority.status();
-    solid->priority = *std::move(priority);
-  }
+  if (absl::Status status = ReplaceNames(options, upload.names, request); !status.ok()) return status;
   auto summary = (*client)->Voxelize(request, upload.bytes, handlers, call);
   if (!summary.ok()) return WithMesh(summary.status(), options.mesh);
   report.summary = *std::move(summary);

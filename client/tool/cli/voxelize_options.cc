@@ -83,6 +83,7 @@ MeshNote NoteOf(const VoxelizeOptions& options, const VoxelizeWords& words) {
   note.skip_bad = words.skip_bad;
   note.alpha_cutoff = options.alpha_cutoff;
   note.priority = options.priority;
+  note.fraction_labels = options.fraction_labels;
   return note;
 }
 

@@ -33,9 +33,10 @@ struct VoxelizeOptions {
   UploadForm upload = UploadForm::kAuto;
   std::optional<int> quantization_bits;  // absent: auto
   std::optional<double> alpha_cutoff;    // voxels of less opacity are left out
-  std::vector<std::string> priority;     // words of --priority, if some are names: the mesh's file tells their numbers
-  std::string align;                     // .vdb file whose grid the request uses; empty: none
-  bool strict = false;                   // a warning is an error
+  // Words of --priority and --fraction-labels, if some are names: the mesh's file tells their numbers.
+  std::vector<std::string> priority, fraction_labels;
+  std::string align;    // .vdb file whose grid the request uses; empty: none
+  bool strict = false;  // a warning is an error
   bool json = false;
   ServerChoice server;
 };
