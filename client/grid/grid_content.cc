@@ -158,16 +158,19 @@ absl::StatusOr<std::vector<uint32_t>> LabelsOf(const GridFileInfo& info, const s
 absl::Status ReadFractions(GridArchive& archive, const std::string& path, GridContent& content) {
   const auto labels = LabelsOf(content.file.info, path);
   if (!labels.ok() || labels->empty()) return labels.status();
+  const auto has_grid = [&](uint32_t label) { return archive.HasGrid(FractionName(label)); };
+  if (!has_grid(labels->front())) return absl::OkStatus();
+  const auto lacking = std::ranges::find_if_not(*labels, has_grid);
+  if (lacking != labels->end()) {
+    return absl::InvalidArgumentError(absl::StrCat(path, ": lacks the grid \"", FractionName(*lacking), "\""));
+  }
   FieldValues fractions{Field::kLabelFractions, {}, 0, *labels};
   fractions.bytes.resize(content.file.info.active_voxels * fractions.bytes_of_voxel());
   auto* const numbers = reinterpret_cast<uint16_t*>(fractions.bytes.data());
   for (size_t n = 0; n < labels->size(); ++n) {
-    const std::string name = FractionName((*labels)[n]);
-    if (n == 0 && !archive.HasGrid(name)) return absl::OkStatus();
-    if (!archive.HasGrid(name))
-      return absl::InvalidArgumentError(absl::StrCat(path, ": lacks the grid \"", name, "\""));
     FieldValues of_label{Field::kFraction, {}};
-    if (auto status = ReadField(*archive.ReadGrid(name), path, content, of_label); !status.ok()) return status;
+    const auto grid = archive.ReadGrid(FractionName((*labels)[n]));
+    if (auto status = ReadField(*grid, path, content, of_label); !status.ok()) return status;
     size_t voxel = 0;
     for (const uint16_t number : of_label.As<uint16_t>()) numbers[voxel++ * labels->size() + n] = number;
   }
