@@ -17,6 +17,7 @@
 #include "core/snap/mesh_range.h"
 #include "server/decode/draco_decoder.h"
 #include "tests/bench/scene_file.h"
+#include "tests/bench/wires.h"
 
 namespace latvox {
 namespace {
@@ -105,6 +106,15 @@ absl::StatusOr<TriangleMesh> SphereOf(absl::string_view count) {
   return Sphere(static_cast<uint32_t>(std::lround(std::sqrt(triangles / 8.0)))).Make();
 }
 
+absl::StatusOr<TriangleMesh> WiresOf(absl::string_view count) {
+  constexpr uint32_t kMost = 1U << 20;
+  uint32_t wires = 0;
+  if (!absl::SimpleAtoi(count, &wires) || wires < 1 || wires > kMost) {
+    return absl::InvalidArgumentError(absl::StrCat("wires:", count, ": not a number from 1 to ", kMost));
+  }
+  return Wires(wires);
+}
+
 // Adds the midpoints of a mesh's edges as vertices.
 class Midpoints {
  public:
@@ -132,6 +142,7 @@ class Midpoints {
 absl::StatusOr<TriangleMesh> MeshNamed(const std::string& name) {
   if (name == "box") return Box();
   if (absl::string_view count = name; absl::ConsumePrefix(&count, "sphere:")) return SphereOf(count);
+  if (absl::string_view count = name; absl::ConsumePrefix(&count, "wires:")) return WiresOf(count);
   if (client::FormatOfPath(name) == client::MeshFormat::kDraco) {
     const auto bytes = client::ReadBytes(name);
     if (!bytes.ok()) return bytes.status();

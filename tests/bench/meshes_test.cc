@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 #include <utility>
@@ -66,8 +67,23 @@ TEST(BenchMeshes, SubdivisionKeepsTheSurfaceAndSharesVertices) {
   EXPECT_NEAR(VolumeOf(finer), VolumeOf(sphere), 1e-6);
 }
 
+TEST(MeshNamed, WiresHaveSixteenLongThinTrianglesEach) {
+  const TriangleMesh wires = Made("wires:20");
+  EXPECT_EQ(wires.triangles.size(), 20U * 16);
+  EXPECT_EQ(wires.vertices, Made("wires:20").vertices);
+  for (const auto& [a, b, c] : wires.triangles) {
+    float longest = 0;
+    for (const uint32_t end : {b, c}) {
+      for (size_t m = 0; m < 3; ++m)
+        longest = std::max(longest, std::abs(wires.vertices[end][m] - wires.vertices[a][m]));
+    }
+    EXPECT_GT(longest, 0.99F);
+  }
+}
+
 TEST(BenchMeshes, RefusesWhatIsNoNumberOfTriangles) {
-  for (const char* name : {"sphere:", "sphere:x", "sphere:7", "sphere:-8", "sphere:67108865"}) {
+  for (const char* name :
+       {"sphere:", "sphere:x", "sphere:7", "sphere:-8", "sphere:67108865", "wires:", "wires:0", "wires:1048577"}) {
     EXPECT_EQ(MeshNamed(name).status().code(), absl::StatusCode::kInvalidArgument) << name;
   }
 }
