@@ -77,10 +77,10 @@ HWY_NOINLINE void ScanLarge(const Triangle& v, size_t place, const std::vector<S
   for (const bool rounded : {true, false}) {
     LineScan<int32_t> narrow;
     if (!Narrow(lines, rounded, narrow)) continue;
-    ChooseShape(narrow);
+    ChooseShape(in_box, narrow);
     if (ScanSingle(narrow, in_box.astride(), &in_box, place, scan.frame, target, out)) return;
   }
-  ChooseShape(lines);
+  ChooseShape(in_box, lines);
   ScanSingle(lines, in_box.astride(), &in_box, place, scan.frame, target, out);
 }
 

@@ -40,14 +40,25 @@ constexpr BlockLines<T> MakeBlockLines() {
 template <class T>
 inline constexpr BlockLines<T> kBlockLines = MakeBlockLines<T>();
 
-// Like PrepareBlocks for lanes: sets the shape that needs the fewest blocks, and the steps of blocks.
+// Like PrepareBlocks for lanes: sets the shape whose blocks are expected to take the least time, and the steps of
+// blocks. Rows end where the triangle does, so a long thin triangle across the rows wants high blocks, and few rows.
+// The row in the middle stands for all: its length is linear in its height. The fewest blocks of the whole rectangle
+// say nothing of such a triangle: any shape has the same number of them in a square.
 template <class T>
-void ChooseShape(LineScan<T>& s) {
-  int32_t fewest = INT32_MAX;
+void ChooseShape(const LinesInBox& in_box, LineScan<T>& s) {
+  constexpr int32_t kMostHigh = 1 << (kShapes - 1);
+  const auto length = [&](int32_t high) {
+    const auto [first, last] = in_box.Row(std::max(s.height - high, 0) / 2, high);
+    return static_cast<float>(std::max<int64_t>(last - first + 1, 0));
+  };
+  const float low_row = length(1), per_line = (length(kMostHigh) - low_row) / (kMostHigh - 1);
+  constexpr float kRow = 1.5F;  // the time to begin a row, in blocks
+  float least = 0;
   for (int32_t n = 0; n < kShapes && static_cast<int32_t>(HWY_LANES(T)) >> n > 0; ++n) {
     const int32_t wide = BlockWidth<T>(n), high = 1 << n;
-    const int32_t blocks = ((s.width + wide - 1) / wide) * ((s.height + high - 1) / high);
-    if (n == 0 || blocks < fewest) s.shape = n, fewest = blocks;
+    const float blocks = (low_row + per_line * static_cast<float>(high - 1)) / static_cast<float>(wide) + 1;
+    const float time = static_cast<float>((s.height + high - 1) / high) * (kRow + blocks);
+    if (n == 0 || time < least) s.shape = n, least = time;
   }
   using Wide = std::conditional_t<sizeof(T) == 4, int64_t, __int128>;
   const auto divide = [&](Wide level, int32_t& depth, T& remainder) {
