@@ -24,6 +24,7 @@ struct BlockScan {
   Thinner thinner;
   SolidTiles solid;
   LinkEnds links;
+  int far_blocks = 0;  // in sequence, that were thinned with the whole halo; only speed depends on it
 
   size_t Bytes() const { return surface.Bytes() + thinner.Bytes() + solid.Bytes() + links.Bytes(); }
 };
