@@ -70,7 +70,8 @@ void Thinner::FindUndecided(const TileContext& context, const ScannedSurface& sc
   const IndexBox complete = where.Shrunk(context.reach);
   const auto add = [&](uint32_t voxel) {
     if ((any_tiny && essential_.Test(voxel)) || undecided_.Test(voxel)) return;
-    if (!complete.Contains(where.layout.VoxelAt(voxel))) return;
+    const Vec3i ijk = where.layout.VoxelAt(voxel);
+    if (!complete.Contains(ijk) || !MayMatter(ijk, where.wanted, context.reach)) return;
     undecided_.Set(voxel);
     list_.push_back(voxel);
   };
@@ -128,7 +129,7 @@ void Thinner::Ask(const TileContext& context, const ScannedSurface& scanned) {
                              [&](const Candidates& candidates) { AskCandidates(context, scanned.voxels, candidates); });
   for (size_t n = 0; n < inner_.nearer.size(); ++n) {
     const uint32_t end = inner_.nearer[n], other = inner_.farther[n];
-    if (undecided_.Test(end) && undecided_.Test(other)) links_.Add(end, other);
+    if (undecided_.Test(end) && undecided_.Test(other)) links_.AddBetween(end, other);
   }
 }
 
@@ -184,15 +185,16 @@ void Thinner::AskPairs(const TileContext& context, BlockVoxels& voxels) {
   const TileBits& surface = voxels.bits();
   const auto is_open = [this](uint32_t voxel) { return undecided_.Test(voxel) && !links_.IsFull(voxel); };
   ForEachStar(context, where.layout, memory_.pairs, is_open, [&](uint32_t z, const StarLinks& star) {
-    for (uint32_t bits = star.nearer; bits != 0; bits &= bits - 1) {
-      const auto n = static_cast<size_t>(std::countr_zero(bits));
-      const uint32_t end = where.EndOf(z, star, n);
+    for (uint32_t bits = CrossedLinks::BitsOf(star.nearer, star.forward) & ~links_.Get(z); bits != 0;
+         bits &= bits - 1) {
+      const auto bit = static_cast<size_t>(std::countr_zero(bits));
+      const uint32_t end = links_.EndOf(z, bit);
       if (!surface.Test(end)) {
         if (!where.box.Contains(where.layout.VoxelAt(end))) continue;  // beyond, nothing is known
         undecided_.Clear(z);
         break;
       }
-      if (undecided_.Test(end)) links_.Add(z, n, (star.forward >> n & 1) != 0);
+      if (undecided_.Test(end)) links_.Add(z, bit);
     }
   });
 }
@@ -207,7 +209,8 @@ void Thinner::AddBorder(const TileContext& context, BlockVoxels& voxels, std::sp
       const auto step = static_cast<uint32_t>(where.layout.StepOf(scan.frame.q));
       for (const uint32_t neighbor : {voxel + step, voxel - step}) {
         if (!voxels.bits().Test(neighbor) || undecided_.Test(neighbor)) continue;
-        if (complete.Contains(where.layout.VoxelAt(neighbor))) continue;
+        const Vec3i ijk = where.layout.VoxelAt(neighbor);
+        if (complete.Contains(ijk) || !MayMatter(ijk, where.wanted, context.reach)) continue;
         undecided_.Set(neighbor);
         list_.push_back(neighbor);
       }

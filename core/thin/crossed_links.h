@@ -19,10 +19,11 @@ namespace latvox {
 // meet, it takes 4 bytes for each voxel of a row of 32 that has any.
 class CrossedLinks {
  public:
-  // The bits of a voxel: bit 2n stands for the link to voxel - q, 2n + 1 for the link to voxel + q, with q the n-th
-  // direction. The other bits are marks, for Thin.
+  // The bits of a voxel: bit n stands for the link to voxel - q, kForward + n for the link to voxel + q, with q the
+  // n-th direction. The other bits are marks, for Thin.
+  static constexpr size_t kForward = 15;
   static constexpr uint32_t kLinks = (uint32_t{1} << 30) - 1, kListed = uint32_t{1} << 30, kUnsure = uint32_t{1} << 31;
-  static_assert(2 * kMaxPairs <= 30);
+  static_assert(kMaxPairs <= kForward);
 
   // Makes it empty, for voxels of this layout.
   void Reset(const BitsLayout& layout) {
@@ -30,34 +31,39 @@ class CrossedLinks {
     touched_.clear();
     words_.reserve(kUsual);
     words_.assign(kRow, 0);
-    count_ = 0;
+    count_ = all_ = 0;
     rows_.resize(layout.Words());
   }
   // The next direction.
   void AddDirection(const BitsLayout& layout, const Vec3i& q) {
     const uint32_t flip = static_cast<uint32_t>((q[0] & 1) << 2 | (q[1] & 1) << 1 | (q[2] & 1));
-    steps_[count_++] = {-layout.StepOf(q), flip};
-    steps_[count_++] = {layout.StepOf(q), flip};
+    steps_[count_] = {-layout.StepOf(q), flip};
+    steps_[kForward + count_] = {layout.StepOf(q), flip};
+    all_ |= uint32_t{1} << count_ | uint32_t{1} << (kForward + count_);
+    ++count_;
   }
 
-  // Adds the link along direction n.
-  void Add(uint32_t voxel, size_t n, bool forward) {
-    const size_t bit = 2 * n + (forward ? 1 : 0);
+  // Returns the bits of the links along the directions in `which`, to voxel + q for those also in `forward`.
+  static uint32_t BitsOf(uint32_t which, uint32_t forward) {
+    return (which & ~forward) | (which & forward) << kForward;
+  }
+  // Returns the other end of the link that a bit of the voxel stands for.
+  uint32_t EndOf(uint32_t voxel, size_t bit) const { return voxel + static_cast<uint32_t>(steps_[bit].number); }
+
+  // Adds the link that a bit of the voxel stands for.
+  void Add(uint32_t voxel, size_t bit) {
     At(voxel) |= uint32_t{1} << bit;
-    At(voxel + static_cast<uint32_t>(steps_[bit].number)) |= uint32_t{1} << (bit ^ 1);
+    At(EndOf(voxel, bit)) |= uint32_t{1} << (bit < kForward ? bit + kForward : bit - kForward);
   }
   // Adds the link between two neighbors.
-  void Add(uint32_t voxel, uint32_t other) {
-    size_t bit = 0;
-    while (voxel + static_cast<uint32_t>(steps_[bit].number) != other) ++bit;
-    Add(voxel, bit / 2, bit % 2 != 0);
+  void AddBetween(uint32_t voxel, uint32_t other) {
+    size_t n = 0;
+    while (EndOf(voxel, n) != other && EndOf(voxel, kForward + n) != other) ++n;
+    Add(voxel, EndOf(voxel, n) == other ? n : kForward + n);
   }
 
   // Whether all links of a voxel are in the set.
-  bool IsFull(uint32_t voxel) const {
-    const uint32_t all = (uint32_t{1} << count_) - 1;
-    return (Get(voxel) & all) == all;
-  }
+  bool IsFull(uint32_t voxel) const { return (Get(voxel) & all_) == all_; }
 
   size_t Bytes() const { return BytesOf(rows_) + BytesOf(words_) + BytesOf(touched_); }
 
@@ -76,14 +82,15 @@ class CrossedLinks {
     return words_[row * kRow + voxel % kRow];
   }
 
-  // Calls f(other, flip) for the links among these bits of a voxel. The parity class of the other end is that of the
-  // voxel ^ flip.
+  // Calls f(other, flip) for the links among these bits of a voxel, until it returns true. Returns whether it did. The
+  // parity class of the other end is that of the voxel ^ flip.
   template <class F>
-  void ForEach(uint32_t voxel, uint32_t bits, F&& f) const {
+  bool Any(uint32_t voxel, uint32_t bits, F&& f) const {
     for (bits &= kLinks; bits != 0; bits &= bits - 1) {
       const Step& step = steps_[static_cast<size_t>(std::countr_zero(bits))];
-      f(voxel + static_cast<uint32_t>(step.number), step.flip);
+      if (f(voxel + static_cast<uint32_t>(step.number), step.flip)) return true;
     }
+    return false;
   }
 
  private:
@@ -95,11 +102,11 @@ class CrossedLinks {
     uint32_t flip;
   };
 
-  std::array<Step, 2 * kMaxPairs> steps_{};
-  size_t count_ = 0;
-  std::vector<uint32_t> rows_;     // of kRow numbers: the place of their words, or 0
-  std::vector<uint32_t> words_;    // the first kRow are 0, for all other rows
-  std::vector<uint32_t> touched_;  // rows
+  std::array<Step, 2 * kForward> steps_{};  // by bit
+  uint32_t count_ = 0, all_ = 0;            // directions; all bits of links
+  std::vector<uint32_t> rows_;              // of kRow numbers: the place of their words, or 0
+  std::vector<uint32_t> words_;             // the first kRow are 0, for all other rows
+  std::vector<uint32_t> touched_;           // rows
 };
 
 }  // namespace latvox

@@ -27,12 +27,12 @@ bool Thin(const BitsLayout& layout, std::span<const uint32_t> doubtful, const Ti
     for (const uint32_t voxel : passes[parity]) {
       if (stop.Stopped()) return true;
       const uint32_t word = links.Get(voxel);
-      bool keep = false, may_keep = (word & kUnsure) != 0;
-      links.ForEach(voxel, word, [&](uint32_t other, uint32_t flip) {
-        if (!doubted.Test(other)) return;  // it stays
-        keep |= !set.Test(other);
-        const bool sure = (links.Get(other) & (kListed | kUnsure)) == kListed;
-        may_keep |= !sure && (parity ^ flip) < parity;
+      bool may_keep = (word & kUnsure) != 0;
+      const bool keep = links.Any(voxel, word, [&](uint32_t other, uint32_t flip) {
+        if (!set.Test(other)) return true;
+        const bool may_have_left = (parity ^ flip) < parity && doubted.Test(other);
+        if (may_have_left) may_keep |= (links.Get(other) & (kListed | kUnsure)) != kListed;
+        return false;
       });
       if (keep) continue;
       if (may_keep) {

@@ -12,6 +12,8 @@
 #ifndef LATVOX_CORE_THIN_THIN_H_
 #define LATVOX_CORE_THIN_THIN_H_
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
@@ -27,7 +29,7 @@ namespace latvox {
 // voxels at most eight steps away.
 //   doubtful  the members for which all crossed links with them as the nearer end are known, and all of these links
 //             have their other end inside; each once, in any order
-//   doubted   these, and other voxels that may be doubtful; all others stay
+//   doubted   these, and other voxels that may be doubtful; all others stay, or do not matter to `wanted` (MayMatter)
 //   links     all crossed links between two doubtful voxels; within `known`, also those between a doubtful voxel and
 //             one that may be doubtful; others do no harm. Marks of doubtful voxels are set
 //   known     local voxels; doubtful ones outside may have further links
@@ -38,6 +40,19 @@ bool Thin(const BitsLayout& layout, std::span<const uint32_t> doubtful, const Ti
 
 // See Thin.
 inline constexpr int32_t kThinHalo = kParityClasses;
+
+// Returns whether the fate of a voxel may affect voxels in `wanted`; others need not be doubted. A voxel's fate depends
+// on neighbors of lower classes, because only these may have left before its pass. So a chain from a voxel so many
+// steps outside of `wanted` climbs at least as many classes. That rules out half of a halo of eight steps.
+//   reach   per axis, the longest step
+inline bool MayMatter(const Vec3i& ijk, const IndexBox& wanted, const Vec3i& reach) {
+  int32_t steps = 0;
+  for (size_t m = 0; m < 3; ++m) {
+    const int32_t outside = std::max(wanted.min[m] - ijk[m], ijk[m] - wanted.max[m] + 1);
+    if (outside > 0) steps = std::max(steps, (outside + reach[m] - 1) / reach[m]);
+  }
+  return static_cast<int32_t>(BitsLayout::ParityClass(ijk)) + steps < kParityClasses;
+}
 
 }  // namespace latvox
 

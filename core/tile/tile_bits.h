@@ -44,10 +44,10 @@ struct BitsLayout {
                           static_cast<int32_t>(number) - static_cast<int32_t>(row) * side[2]};
   }
   // The parity class of a voxel, 0..7. Two k-neighbors never share it, because a neighbor step is never 0 modulo 2.
-  uint32_t ParityClass(uint32_t number) const {
-    const Vec3i ijk = VoxelAt(number);
+  static uint32_t ParityClass(const Vec3i& ijk) {
     return static_cast<uint32_t>((ijk[0] & 1) << 2 | (ijk[1] & 1) << 1 | (ijk[2] & 1));
   }
+  uint32_t ParityClass(uint32_t number) const { return ParityClass(VoxelAt(number)); }
   // floor(n / d), where reciprocal = 2^44/d + e, 0 < e <= 1: the error n * e / 2^44 is less than 1/d if n * d < 2^44.
   static uint32_t Quotient(uint32_t n, uint64_t reciprocal) { return static_cast<uint32_t>(n * reciprocal >> 44); }
   // The number of 32-bit words. There are a few more, so that any voxel's bit and the 63 after it can be read.
