@@ -156,6 +156,10 @@ class Bench(unittest.TestCase):
             self.assertLess(instructions(*words), 24 * instructions(*words, "--no-minimal"))
             self.assertLess(once(*words)["job_peak_bytes"], 60e6)
 
+    def test_wires_are_thinned_without_scanning_each_block_several_times(self):
+        words = ("wires:200", "256", "--separability", "0", "--threads", "1")
+        self.assertLess(instructions(*words), 4.5 * instructions(*words, "--no-minimal"))
+
     def test_triangles_that_lie_far_apart_take_little_each(self):
         random.seed(6)
         with tempfile.NamedTemporaryFile("w", suffix=".obj") as mesh:
