@@ -119,7 +119,7 @@ class Metrics(Case):
             self.assertIsNone(server.poll())
 
 
-# Prometheus's own; tests/deploy/gateway_test.py has a gateway.
+# Prometheus's own; tests/deploy/gateway_operations_test.py has a gateway.
 ELSEWHERE = re.compile("up$|latvox_gateway_")
 WORDS = set("or sum by rate absent histogram_quantile max min count le changes time instance method code reason stage job cause".split())
 
