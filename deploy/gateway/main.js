@@ -41,7 +41,7 @@ function parts() {
     options,
     log,
     protocol,
-    metrics: options['metrics-listen'] && new Metrics(protocol),
+    metrics: options['metrics-listen'] && new Metrics(protocol, log),
     upstreams: new Upstreams(options, log, watched),
     pages: new Pages(),
     watched,

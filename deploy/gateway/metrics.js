@@ -9,7 +9,8 @@ const CODES = ['OK', ...Object.values(Code).filter(Number.isInteger).map(nameOf)
 const BUCKETS = [0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5, 1, 2.5, 5, 10, 30, 60, 300];
 
 export class Metrics {
-  constructor(protocol) {
+  constructor(protocol, log) {
+    this.log = log;
     this.registry = new Registry();
     collectDefaultMetrics({ register: this.registry });
     this.requests = this.add(Counter, 'requests_total', 'Calls that are over, by method and status code.', [
@@ -74,9 +75,11 @@ export class Metrics {
     this.reading('upstreams_down', 'Servers that could not be reached a second ago or less.', () => upstreams.down());
   }
 
-  // Resolves to the address that /metrics has.
+  // Resolves to the address that /metrics has. By itself, Node looks for late requests only every 30 s: a few idle
+  // connections would keep Prometheus out until then.
   serve({ host, port }) {
-    this.server = http.createServer({ headersTimeout: 1000 }, (request, response) => this.answer(request, response));
+    const times = { headersTimeout: 1000, requestTimeout: 1000, connectionsCheckingInterval: 1000 };
+    this.server = http.createServer(times, (request, response) => this.answer(request, response));
     this.server.maxConnections = 8;
     return new Promise((resolve, reject) => {
       this.server.once('error', ({ code }) => reject(new Error(`--metrics-listen: ${host}:${port}: ${code}`)));
@@ -85,10 +88,19 @@ export class Metrics {
   }
 
   async answer(request, response) {
-    const found = request.method === 'GET' && request.url === '/metrics';
-    const text = found ? await this.registry.metrics() : 'there is only /metrics\n';
-    response.writeHead(found ? 200 : 404, { 'content-type': found ? this.registry.contentType : 'text/plain' });
-    response.end(text);
+    const { status, type = 'text/plain', text } = await this.answerTo(request);
+    response.writeHead(status, { 'content-type': type }).end(text);
+  }
+
+  // Figures that cannot be read are no reason to end calls.
+  async answerTo({ method, url }) {
+    if (method !== 'GET' || url !== '/metrics') return { status: 404, text: 'there is only /metrics\n' };
+    try {
+      return { status: 200, type: this.registry.contentType, text: await this.registry.metrics() };
+    } catch ({ message }) {
+      this.log.write('error', 'metrics_failed', { error: message });
+      return { status: 500, text: `${message}\n` };
+    }
   }
 
   close() {

@@ -4,13 +4,16 @@ import json
 import os
 import pathlib
 import re
+import select
 import signal
+import socket
 import ssl
 import subprocess
 import sys
 import tempfile
 import time
 import unittest
+import urllib.error
 
 from gateway import ROOT, gateway
 from gateway_case import DRAWING, GatewayCase
@@ -20,6 +23,9 @@ sys.path.insert(0, str(ROOT / "tests" / "e2e"))
 import harness  # noqa: E402
 import metrics_test  # noqa: E402
 from tls_test import Authority  # noqa: E402
+
+BROKEN = pathlib.Path(__file__).with_name("gateway_broken_metrics.mjs")
+NOWHERE = "unix:/nowhere/latvoxd.socket"
 
 
 class Metrics(GatewayCase):
@@ -94,6 +100,27 @@ class Metrics(GatewayCase):
         ours = "".join(line + "\n" for line in text.splitlines() if "latvox_" in line)
         said = subprocess.run([fetched.stdout.strip(), "check", "metrics"], input=ours, capture_output=True, text=True)
         self.assertEqual((said.returncode, said.stdout + said.stderr), (0, ""))
+
+    def test_one_that_cannot_be_read_does_not_end_the_gateway(self):
+        options = ["--metrics-listen", "127.0.0.1:0"]
+        with gateway(self.dir, NOWHERE, *options, program=BROKEN, errors=["metrics_failed"]) as running:
+            for n in (1, 2):
+                with self.assertRaises(urllib.error.HTTPError) as raised:
+                    running.metrics()
+                self.assertEqual((raised.exception.code, raised.exception.read()), (500, b"there is no figure\n"))
+                running.await_log('event=metrics_failed error="there is no figure"', n)
+
+    def test_idle_connections_leave_sooner_than_node_would_end_them(self):
+        with gateway(self.dir, NOWHERE, "--metrics-listen", "127.0.0.1:0", program=BROKEN) as running:
+            plain = self.connection(running.await_log(r"plain (\d+)"))
+            idle = [self.connection(running.await_log(r"event=metrics address=\S+:(\d+)")) for _ in range(8)]
+            for connection in idle:
+                while connection.recv(4096):
+                    pass
+            self.assertEqual(select.select([plain], [], [], 0)[0], [])
+
+    def connection(self, port):
+        return self.enterContext(socket.create_connection(("127.0.0.1", int(port)), timeout=harness.PATIENCE))
 
 
 def put(path, text):
