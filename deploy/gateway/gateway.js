@@ -99,7 +99,7 @@ export class Gateway {
     if (may) {
       response.setHeader('access-control-allow-methods', 'POST');
       response.setHeader('access-control-allow-headers', ALLOWED.join());
-      response.setHeader('access-control-max-age', '7200');
+      response.setHeader('access-control-max-age', '600'); // seconds in which a removed origin may send calls
     }
     response.writeHead(may ? 204 : 403).end();
     return true;

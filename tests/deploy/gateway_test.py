@@ -142,6 +142,7 @@ class Protocols(Shared):
                     self.assertEqual(
                         (status, "access-control-allow-origin" in headers), (204, True) if may else (403, False)
                     )
+                    self.assertEqual("access-control-max-age: 600\n" in headers, may)
                     _, headers, _ = running.post("GetLimits", {}, {"Origin": "https://a.example"})
                     self.assertEqual("access-control-allow-origin" in headers, may)
 
