@@ -1,8 +1,8 @@
 // The options of the gateway: flags, environment variables, or lines of a configuration file. A flag wins over its
 // variable, and that over the file.
-import { readFileSync } from 'node:fs';
 import { parseArgs } from 'node:util';
 import { parse } from 'smol-toml';
+import { readSmallFileSync } from './small_file.js';
 
 const PREFIX = 'LATVOX_GATEWAY_';
 
@@ -131,17 +131,18 @@ function flags(words) {
 function settingsOf(path) {
   let table;
   try {
-    table = parse(readFileSync(path, 'utf8'));
+    table = parse(readSmallFileSync(path));
   } catch (error) {
-    if (!error.line) throw new Error(`--config: ${path}: it cannot be read: ${error.code}`);
+    if (!error.line) throw new Error(`--config: ${error.message}`);
     throw new Error(`${path}:${error.line}: ${error.message.split('\n')[0]}`);
   }
+  const shown = (value) => (value instanceof Date ? value.toISOString() : JSON.stringify(value));
   const plain = (value) => ['string', 'number', 'boolean'].includes(typeof value);
   for (const [name, value] of Object.entries(table)) {
     if (!Object.hasOwn(OPTIONS, name) || ['help', 'config'].includes(name))
       throw new Error(`${path}: unknown key "${name}"`);
     if (![value].flat().every(plain))
-      throw new Error(`${path}: ${name}: it is neither a text, a number nor a list of them`);
+      throw new Error(`${path}: ${name}: ${shown(value)} is no text, number, true or false, nor a list of them`);
   }
   return Object.fromEntries(Object.entries(table).map(([name, value]) => [name, String(value)]));
 }

@@ -1,11 +1,8 @@
 // Files that may change while the gateway runs. Their bytes are compared each second, because fs.watch loses the
 // Secrets of Kubernetes, which are links that move.
-import { readFileSync } from 'node:fs';
-import { readFile } from 'node:fs/promises';
+import { readSmallFile, readSmallFileSync } from './small_file.js';
 
 const PERIOD = 1000; // milliseconds
-
-const lost = (path, { code }) => new Error(`${path}: it cannot be read: ${code}`);
 
 export class Watched {
   constructor(log) {
@@ -16,13 +13,7 @@ export class Watched {
   // `use` returns fields for the event `read` of the log. An error at the start is thrown. A later one becomes the
   // event `kept`: whatever `use` had made before stays.
   add({ read, kept, paths, use }) {
-    const texts = paths.map((path) => {
-      try {
-        return path && readFileSync(path, 'utf8');
-      } catch (error) {
-        throw lost(path, error);
-      }
-    });
+    const texts = paths.map((path) => path && readSmallFileSync(path));
     use(texts);
     if (paths.some(Boolean)) this.groups.push({ read, kept, paths, use, seen: texts.map(String) });
   }
@@ -41,9 +32,7 @@ export class Watched {
   }
 
   async lookAt(group) {
-    const found = await Promise.all(
-      group.paths.map((path) => path && readFile(path, 'utf8').catch((error) => lost(path, error))),
-    );
+    const found = await Promise.all(group.paths.map((path) => path && readSmallFile(path).catch((error) => error)));
     const seen = found.map(String);
     if (seen.every((text, n) => text === group.seen[n])) return;
     group.seen = seen;

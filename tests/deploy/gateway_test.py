@@ -306,7 +306,8 @@ class Installed(Case):
 
 class Options(Case):
     def test_wrong_options_are_named(self):
-        file = self.dir / "gateway.toml"
+        file, large = (self.dir / name for name in ("gateway.toml", "large"))
+        large.write_text("#" * (1 << 20) + "\n")
         for words, message in (
             (["--max-calls", "0"], "--max-calls: 0 is not between 1 and 100000"),
             (
@@ -315,7 +316,10 @@ class Options(Case):
             ),
             (["--tls-cert", "a.pem"], "--tls-cert needs --tls-key"),
             (["--tls-cert", "a.pem", "--tls-key", "b.pem"], "a.pem: it cannot be read: ENOENT"),
+            (["--tls-cert", large, "--tls-key", large], f"{large}: it has 1048577 bytes, more than 1048576"),
             (["--config", file], f"--config: {file}: it cannot be read: ENOENT"),
+            (["--config", large], f"--config: {large}: it has 1048577 bytes, more than 1048576"),
+            (["--config", self.dir], f"--config: {self.dir}: it is no regular file"),
         ):
             words = ["node", GATEWAY / "main.js", "--protocol", protocol(self.dir), *words]
             done = subprocess.run(words, capture_output=True, text=True)
@@ -323,10 +327,14 @@ class Options(Case):
 
     def test_wrong_lines_of_a_configuration_file_are_named(self):
         file = self.dir / "gateway.toml"
+        kinds = "is no text, number, true or false, nor a list of them"
         for text, message in (
             ("max-calls = 0", ": max-calls: 0 is not between 1 and 100000"),
             ("max-cals = 1", ': unknown key "max-cals"'),
-            ("max-calls = {}", ": max-calls: it is neither a text, a number nor a list of them"),
+            ("max-calls = {a = 1}", f': max-calls: {{"a":1}} {kinds}'),
+            ("insecure = [[true]]", f": insecure: [[true]] {kinds}"),
+            ("grace = 2026-11-28", f": grace: 2026-11-28 {kinds}"),
+            ("insecure = 1", ': insecure: "1" is not one of true, false'),
             ("\nmax-calls = = 1", ":2: Invalid TOML document: invalid value"),
         ):
             file.write_text(text)
