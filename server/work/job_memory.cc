@@ -38,7 +38,7 @@ constexpr uint64_t kFractionThreadBytes = uint64_t{3} << 20, kFractionBytesPerVe
 constexpr uint64_t kLabelFractionThreadBytes = uint64_t{128} << 10;
 
 // Thinning: where triangles fill a volume, many voxels of a block of 128^3 are in doubt.
-constexpr double kBlockSide = 128, kBytesPerVoxelOfBlock = 60, kMostBytesOfBlock = 64 << 20;
+constexpr double kBlockSide = 128, kBytesPerVoxelOfBlock = 60, kMostBytesOfBlock = 84 << 20;
 
 // Kept sets: a brick lies in a vector and an index that double as they grow. Where the number of bricks is unknown, it
 // follows from the number of voxels: a surface has at least ten in a brick.

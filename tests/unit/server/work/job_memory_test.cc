@@ -146,7 +146,7 @@ TEST(JobMemory, ReservesForThinningTheVoxelsOfABlockForEachThread) {
 TEST(JobMemory, ReservesForThinningNoMoreThanABlockCanHave) {
   JobEstimate dense = kSixBlocks;
   dense.voxels = 1e30;
-  EXPECT_EQ(AddedForJob(Thinned(), dense), 3 * 64 * kMebibyte);
+  EXPECT_EQ(AddedForJob(Thinned(), dense), 3 * 84 * kMebibyte);
 }
 
 TEST(JobMemory, SpreadsVoxelsOverThePartThatIsAskedFor) {
