@@ -23,6 +23,9 @@ py::dtype TypeOf(Field field) {
   return py::dtype(kTypes[static_cast<size_t>(FactsOf(field).type)]);
 }
 
+// Whether an array has an axis of components: also for a single label, so that programs work for any number of them.
+bool HasColumns(const FieldValues& values) { return values.components() != 1 || FactsOf(values.field).is_of_labels(); }
+
 // Returns an object of Python that owns the value.
 template <class T>
 py::capsule Owner(T value) {
@@ -138,7 +141,7 @@ py::array FieldArray(const SharedVoxels& voxels, const std::string& field) {
   const FieldValues& values = Find(voxels->all.fields, field);
   const py::ssize_t components = static_cast<py::ssize_t>(values.components());
   std::vector<py::ssize_t> shape = {static_cast<py::ssize_t>(CountVoxels(*voxels))};
-  if (components != 1) shape.push_back(components);
+  if (HasColumns(values)) shape.push_back(components);
   return ReadOnly(py::array(TypeOf(values.field), shape, values.bytes.data(), Owner(voxels)));
 }
 
@@ -161,7 +164,7 @@ py::tuple Dense(const Voxels& voxels, const std::optional<IndexBox>& box, const 
     return py::make_tuple(py::array(py::dtype("?"), shape, data, Owner(std::move(dense.voxels))), low);
   }
   FieldValues& values = *std::ranges::find(dense.fields, wanted, &FieldValues::field);
-  if (values.components() != 1) shape.push_back(static_cast<py::ssize_t>(values.components()));
+  if (HasColumns(values)) shape.push_back(static_cast<py::ssize_t>(values.components()));
   const std::byte* const data = values.bytes.data();
   return py::make_tuple(py::array(TypeOf(wanted), shape, data, Owner(std::move(values.bytes))), low);
 }

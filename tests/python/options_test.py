@@ -29,6 +29,7 @@ VALUES = {
     "fields": (["distance", "normal"], {}),
     "labels": ("part", {**SOLID, "fields": "part"}),
     "priority": ([0], {**SOLID, "fields": "part"}),
+    "fraction_labels": ([7, 0], {"set": "solid", "labels": "part", "fields": "label_fractions:3"}),
     "signed": (True, {"band": 0.25}),
     "alpha_cutoff": (0.5, {}),
     "separability": (2, {}),

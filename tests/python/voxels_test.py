@@ -108,6 +108,20 @@ def test_links_have_a_column_for_each_neighbor():
     assert (np.isnan(v["links"]) == (v["link_triangles"] == 2**32 - 1)).all() and not np.isnan(v["links"]).all()
 
 
+def test_fractions_have_a_column_for_each_label(tmp_path):
+    paths = [write_obj(tmp_path / f"{n}.obj", octahedron(size)) for n, size in enumerate((1, 0.5))]
+    options = {"voxel_size": 0.1, "set": "supercover-solid", "labels": "part"}
+    v = latvox.voxelize(paths, **options, fields=["part", "fraction:4", "label_fractions:4"])
+    assert v.fraction_labels == [0, 1]
+    fractions = v["label_fractions"]
+    assert (fractions.dtype, fractions.shape) == (np.uint16, (len(v), 2))
+    assert np.array_equal(fractions.sum(axis=1), v["fraction"]) and fractions.max(axis=0).tolist() == [64, 64]
+    assert v.dense("label_fractions").data.shape == (*v.dense().data.shape, 2)
+    one = latvox.voxelize(paths, **options, fields=["label_fractions:4"], fraction_labels=[1])
+    assert one.fraction_labels == [1] and np.array_equal(one["label_fractions"], fractions[:, 1:])
+    assert one.dense("label_fractions").data.shape == (*one.dense().data.shape, 1)
+
+
 def test_nothing_is_an_answer_too():
     with pytest.warns(latvox.VoxelizeWarning) as caught:
         v = latvox.voxelize(MESH, resolution=8, region=(100, 0, 0, 101, 1, 1), fields="distance")
