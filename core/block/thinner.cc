@@ -203,8 +203,10 @@ void Thinner::AskPairs(const TileContext& context, BlockVoxels& voxels) {
 void Thinner::AddBorder(const TileContext& context, BlockVoxels& voxels, std::span<const uint32_t> members) {
   const BlockBox& where = voxels.where();
   const IndexBox complete = where.Shrunk(context.reach);
+  const IndexBox far_inside = where.Shrunk(context.reach * 2);  // all neighbors are in `complete`
   for (const uint32_t voxel : members) {
     if (context.stop.Stopped()) return;
+    if (far_inside.Contains(where.layout.VoxelAt(voxel))) continue;
     for (const ScanFrame& scan : context.frames) {
       const auto step = static_cast<uint32_t>(where.layout.StepOf(scan.frame.q));
       for (const uint32_t neighbor : {voxel + step, voxel - step}) {
