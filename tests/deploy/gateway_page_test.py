@@ -35,25 +35,26 @@ def stl(mesh):
 COLORS = [(230, 40, 30), (40, 60, 220), (250, 210, 20), (30, 160, 60)]
 
 
-def texture():
-    """Returns a .png of two by two pixels in COLORS."""
+def texture(width=2, height=2):
+    """Returns a .png of pixels in COLORS."""
 
     def chunk(kind, data):
         return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
 
-    rows = b"".join(b"\0" + bytes(COLORS[2 * row] + COLORS[2 * row + 1]) for row in range(2))
-    head = chunk(b"IHDR", struct.pack(">2I5B", 2, 2, 8, 2, 0, 0, 0))
+    colors = [[COLORS[(2 * y + x) % len(COLORS)] for x in range(width)] for y in range(height)]
+    rows = b"".join(b"\0" + b"".join(map(bytes, row)) for row in colors)
+    head = chunk(b"IHDR", struct.pack(">2I5B", width, height, 8, 2, 0, 0, 0))
     return b"\x89PNG\r\n\x1a\n" + head + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b"")
 
 
-def textured(mesh):
-    """Returns a .gltf that shows texture() along x and z, without blur."""
+def textured(mesh, *size):
+    """Returns a .gltf that shows texture(*size) along x and z, without blur."""
     vertices, triangles = mesh
     parts = [
         b"".join(struct.pack("<3f", *v) for v in vertices),
         b"".join(struct.pack("<2f", x / 14 + 0.5, z / 14 + 0.5) for x, _, z in vertices),
         b"".join(struct.pack("<3I", *t) for t in triangles),
-        texture(),
+        texture(*size),
     ]
     at = [sum(map(len, parts[:n])) for n in range(4)]
     views = [{"buffer": 0, "byteOffset": at[n], "byteLength": len(part)} for n, part in enumerate(parts)]
@@ -61,7 +62,7 @@ def textured(mesh):
         "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
         "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 1}, "indices": 2, "material": 0}]}],
         "materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}],
-        "textures": [{"source": 0, "sampler": 0}], "samplers": [{"magFilter": 9728, "minFilter": 9728}],
+        "textures": [{"source": 0, "sampler": 0, "name": "skin"}], "samplers": [{"magFilter": 9728, "minFilter": 9728}],
         "images": [{"bufferView": 3, "mimeType": "image/png"}], "bufferViews": views,
         "buffers": [{"byteLength": sum(map(len, parts)),
                      "uri": f"data:application/octet-stream;base64,{base64.b64encode(b''.join(parts)).decode()}"}],
@@ -277,6 +278,19 @@ class Page(Case):
         self.shown(again)
         self.assertEqual(again.run("document.getElementById('status').innerText"),
                          "A link has no textures: drop a.gltf once more for all of its colors.")  # fmt: skip
+
+    def test_a_texture_is_as_large_as_every_canvas_may_be(self):
+        tab = self.tab("#resolution=20&fields=color")
+        self.drop(tab, "a.gltf", textured(self.mesh, 16384, 1))
+        self.shown(tab)
+        lines = self.saved(tab, "csv").read_text().splitlines()[1:]
+        self.assertLessEqual({tuple(map(int, line.split(",")[-3:])) for line in lines}, set(COLORS))
+        for width, height in ((16385, 1), (1, 16385)):
+            self.drop(tab, "a.gltf", textured(self.mesh, width, height))
+            self.assertEqual(
+                tab.run("document.getElementById('error').innerText"),
+                f'texture "skin" has {width} × {height} pixels, more than 16384 on a side; use the tool latvox',
+            )
 
     def test_own_vectors_are_a_lattice(self):
         basis, obj = "0.5,0.1,0,0,0.4,0.1,0.6,0.05,0.45", write_obj(self.dir / "a.obj", self.mesh)

@@ -14,10 +14,18 @@ function encoded(level) {
 
 const numberOf = ([r, g, b]) => (encoded(r) << 16) | (encoded(g) << 8) | encoded(b);
 
+// In Chromium, a canvas of more than 65,535 pixels on a side, or 2^28 in all, stays empty without any error. Firefox
+// takes 32,767 on a side.
+const MOST_SIDE = 16384;
+
 class Texture {
   constructor(map) {
-    const { image, wrapS, wrapT, magFilter } = map,
+    const { image, wrapS, wrapT, magFilter, name } = map,
       { width, height } = image;
+    if (Math.max(width, height) > MOST_SIDE)
+      throw new Error(
+        `texture "${name}" has ${width} × ${height} pixels, more than ${MOST_SIDE} on a side; use the tool latvox`,
+      );
     const context = Object.assign(document.createElement('canvas'), { width, height }).getContext('2d');
     context.drawImage(image, 0, 0);
     map.updateMatrix();
