@@ -170,6 +170,8 @@ class Reload(GatewayCase):
             key.write_text("no key")
             running.await_log(f"{kept}it holds no private key in PEM form without a passphrase")
             self.assertEqual(self.shown(running), second)
+            # The answer has 10 MB, which no connection's buffers hold: the call waits for its reader.
+            self.assertIn("\nlatvox_gateway_calls_running 1\n", running.metrics())
             end = b""
             while got := connection.recv(1 << 20):
                 end = (end + got)[-2000:]
