@@ -189,7 +189,7 @@ TEST(JobMemory, ReservesBeforehandWhatVerificationKeeps) {
   EXPECT_EQ(AddedForJob(request, kSixBlocks), kOfThinning + 60000 * 25);
   JobEstimate dense = kSixBlocks;
   dense.voxels = 1e30;
-  EXPECT_EQ(AddedForJob(request, dense), 3 * 64 * kMebibyte + 1'000'000'000'000'000'000);
+  EXPECT_EQ(AddedForJob(request, dense), 3 * 84 * kMebibyte + 1'000'000'000'000'000'000);
 }
 
 TEST(JobMemory, ReservesMoreForKeptBricksOnlyBeyondTheEstimate) {
