@@ -245,9 +245,9 @@ std::vector<OptionRow> FieldRows(VoxelizeWords& words) {
       {.names = "--fields",
        .target = &words.fields,
        .help =
-           "What each voxel carries: from its nearest triangle part, material, color, distance, triangle, point, "
-           "normal; for each neighbor links, link_triangles, link_crossings; or a list. Of the N^3 points of its cell, "
-           "fraction:N counts those inside, and label_fractions:N those of each label",
+           "Values that each voxel carries, a list. From its nearest triangle: part, material, color, distance, "
+           "triangle, point, normal. For each neighbor: links, link_triangles, link_crossings. For its cell, which has "
+           "N^3 points: fraction:N, the number of points inside; label_fractions:N, this number for each label",
        .value = "NAME,...",
        .checks = {{CheckFields}},
        .standard = "distance for a band, otherwise none"},
