@@ -205,10 +205,7 @@ TEST(Fraction, OfPartsIsThatOfTheWhole) {
   const Grid grid = Unscaled(Lattice::Named(NamedLattice::kFcc));
   const VoxelizeOptions whole{.set = Solid{}, .fields = kFraction, .fraction_n = 3};
   const Result all = Voxelize(mesh, grid, whole);
-  for (const JobTotals& sum : {TotalsOfShards(mesh, grid, whole, 3), TotalsOfHalves(mesh, grid, whole, all)}) {
-    EXPECT_EQ(sum.voxels, all.totals.voxels);
-    EXPECT_EQ(sum.fields, all.totals.fields);
-  }
+  ExpectPartsAddUp(mesh, grid, whole, all);
   VoxelizeOptions some = whole;
   some.region = IndexBox{{-7, -70, 5}, {40, 3, 69}};
   const auto fractions = FractionsOf(all), found = FractionsOf(Voxelize(mesh, grid, some));

@@ -158,10 +158,7 @@ TEST(LabelFraction, OfPartsIsThatOfTheWhole) {
   const TriangleMesh mesh = Spheres(40, 36).World(grid.lattice, {});
   const VoxelizeOptions whole = Options({}, 3);
   const Result all = Voxelize(mesh, grid, whole);
-  for (const JobTotals& sum : {TotalsOfShards(mesh, grid, whole, 3), TotalsOfHalves(mesh, grid, whole, all)}) {
-    EXPECT_EQ(sum.voxels, all.totals.voxels);
-    EXPECT_EQ(sum.fields, all.totals.fields);
-  }
+  ExpectPartsAddUp(mesh, grid, whole, all);
   VoxelizeOptions some = whole;
   some.region = IndexBox{{-7, -70, 5}, {40, 3, 69}};
   const Fractions fractions = FractionsOf(all, 3, true), found = FractionsOf(Voxelize(mesh, grid, some), 3, true);

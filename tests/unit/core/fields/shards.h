@@ -2,6 +2,8 @@
 #ifndef LATVOX_TESTS_UNIT_CORE_FIELDS_SHARDS_H_
 #define LATVOX_TESTS_UNIT_CORE_FIELDS_SHARDS_H_
 
+#include <gtest/gtest.h>
+
 #include <cstddef>
 #include <cstdint>
 
@@ -27,6 +29,15 @@ inline JobTotals TotalsOfHalves(const TriangleMesh& mesh, const Grid& grid, Voxe
   options.resume_after = whole.tiles[half - 1].tile_ijk;
   sum.Add(Voxelize(mesh, grid, options).totals);
   return sum;
+}
+
+// Three shards, and both halves, have the voxels and the digests of the whole.
+inline void ExpectPartsAddUp(const TriangleMesh& mesh, const Grid& grid, const VoxelizeOptions& options,
+                             const Result& whole) {
+  for (const JobTotals& sum : {TotalsOfShards(mesh, grid, options, 3), TotalsOfHalves(mesh, grid, options, whole)}) {
+    EXPECT_EQ(sum.voxels, whole.totals.voxels);
+    EXPECT_EQ(sum.fields, whole.totals.fields);
+  }
 }
 
 }  // namespace latvox
