@@ -66,10 +66,13 @@ def bootstrap(tar, *options, release=RELEASE):
     work = STATE / "work"
     work.mkdir(parents=True, exist_ok=True)
     (work / "apt.conf").write_text("\n".join(chosen) + "\n")
-    command = ["mmdebstrap", "--quiet", "--variant=minbase", f"--aptopt={work / 'apt.conf'}", *options, release, tar, "-"]
-    done = subprocess.run(command, input=package_sources(release), capture_output=True, text=True, timeout=600)
-    if done.returncode != 0:
-        pathlib.Path(tar).unlink(missing_ok=True)
+    unfinished = work / "unfinished.tar"  # a later run would take a part for the whole
+    options = ["--variant=minbase", f"--aptopt={work / 'apt.conf'}", *options]
+    command = ["mmdebstrap", "--quiet", *options, release, unfinished, "-"]
+    done = subprocess.run(command, input=package_sources(release), capture_output=True, text=True, timeout=1800)
+    if done.returncode == 0:
+        unfinished.rename(tar)
+    else:
         skip(f"mmdebstrap cannot fetch Debian's packages here: {done.stderr.strip()[-500:]}")
 
 

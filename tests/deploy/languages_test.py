@@ -1,6 +1,7 @@
 """The programs in client/examples/languages print the same line, and client/docs/languages.md shows them as they are.
 
-e2e/sdk_test.py has the one in C++. Go and Java run if LATVOX_LANGUAGES is set: `tests/run --languages` installs them.
+e2e/sdk_test.py has the one in C++. Go, Java and Rust run if LATVOX_LANGUAGES is set: `tests/run --languages` installs
+them. Nothing runs the one in C#.
 """
 
 import os
@@ -9,6 +10,7 @@ import shutil
 import subprocess
 import unittest
 
+import debian_root
 from gateway import ROOT, Gateway  # it adds the folder of harness to the path
 
 import harness  # noqa: E402  isort: skip
@@ -16,6 +18,14 @@ import harness  # noqa: E402  isort: skip
 PROGRAMS = ROOT / "client/examples/languages"
 PAGE = ROOT / "client/docs/languages.md"
 PROTO = ["protoc", "-I", ROOT / "proto", "latvox/v1/voxelizer.proto"]
+# Debian 12 and 13 lack Rust's gRPC library; their successors have it.
+RUST_PACKAGES = ["cargo", "protobuf-compiler", "librust-tonic-dev", "librust-tonic-build-dev", "librust-tokio-dev"]
+RUST_ARCHIVE = debian_root.STATE / "rust.tar"
+CRATES = """[source.crates-io]
+replace-with = "debian"
+[source.debian]
+directory = "/usr/share/cargo/registry"
+"""
 HEAVY = unittest.skipUnless(os.environ.get("LATVOX_LANGUAGES"), "tests/run --languages runs it")
 
 
@@ -91,6 +101,21 @@ class Languages(harness.Case):
         self.run_command("javac", "-nowarn", "-cp", jars, "-d", classes, *sources, patience=600)
         said = self.run_command("java", "-cp", f"{classes}:{jars}", "Tetrahedron", self.address)
         self.assertEqual(said, self.expected)
+
+    @HEAVY
+    def test_rust(self):
+        if os.geteuid() != 0:
+            self.skipTest("a system with Rust's gRPC library needs root")
+        if not RUST_ARCHIVE.exists():
+            debian_root.bootstrap(RUST_ARCHIVE, f"--include={','.join(RUST_PACKAGES)}", release="sid")
+        root = debian_root.Root(self.dir / "debian", RUST_ARCHIVE)
+        folder = root.path / PROGRAMS.relative_to("/")
+        shutil.copytree(PROGRAMS, folder)
+        shutil.copytree(ROOT / "proto", root.path / (ROOT / "proto").relative_to("/"))
+        (folder / ".cargo").mkdir()
+        (folder / ".cargo/config.toml").write_text(CRATES)
+        build = f"export CARGO_HOME=/tmp/cargo; cd {PROGRAMS}; cargo run --quiet --offline -- {self.address}"
+        self.assertEqual(root.shell(build, timeout=600).stdout, self.expected)
 
     def test_the_page_shows_the_programs_as_they_are(self):
         blocks = re.findall(r"^```\w*\n(.*?)^```$", PAGE.read_text(), re.M | re.S)
