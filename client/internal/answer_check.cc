@@ -4,12 +4,11 @@
 #include <cmath>
 #include <cstring>
 #include <functional>
-#include <limits>
 
-#include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "client/internal/brick_codec.h"
-#include "client/internal/printable.h"
+#include "client/internal/broken_protocol.h"
+#include "client/internal/field_check.h"
 #include "client/internal/wire.h"
 #include "latvox/for_each_voxel.h"
 
@@ -20,11 +19,6 @@ constexpr size_t kMaskBytes = sizeof(Brick::mask);
 constexpr int kBrickBits = 3;         // log2 of a brick's side in voxels
 constexpr int kTileBitsInBricks = 3;  // log2 of a tile's side in bricks
 constexpr size_t kTileBricks = 512;
-
-template <class... Parts>
-absl::Status Broken(const Parts&... parts) {
-  return absl::DataLossError(Printable(absl::StrCat("the server broke the protocol: ", parts...)));
-}
 
 bool IsFinite(const Vec3d& v) {
   return std::all_of(v.begin(), v.end(), [](double x) { return std::isfinite(x); });
@@ -187,7 +181,7 @@ absl::Status AnswerCheck::PassOn() {
   }
   stretch_.fields.resize(fields_.size());
   for (size_t n = 0; n < fields_.size(); ++n) {
-    if (auto status = CheckValues(fields_[n]); !status.ok()) return status;
+    if (auto status = CheckFieldValues(fields_[n], request_, *accepted_); !status.ok()) return status;
     AddField(batch_, fields_[n], stretch_.fields[n]);
   }
   if (handlers_.on_bricks) {
@@ -283,77 +277,21 @@ absl::Status AnswerCheck::ReceiveField(const v1::FieldValues& message, size_t vo
   return absl::OkStatus();
 }
 
-// Negated comparisons, to find NaN.
-absl::Status AnswerCheck::CheckValues(const FieldValues& field) const {
-  const auto check = [&](auto of_type, auto&& is_good) {
-    for (const auto number : field.As<decltype(of_type)>()) {
-      if (!is_good(number)) return Broken("the field ", NameOf(field.field), " has the value ", number);
-    }
-    return absl::OkStatus();
-  };
-  switch (field.field) {
-    case Field::kPart:
-    case Field::kMaterial:
-      return check(uint32_t{}, [](uint32_t number) { return number <= 0x7FFFFFFF; });
-    case Field::kTriangle:
-      return check(uint32_t{}, [this](uint32_t number) { return number < accepted_->mesh.triangles; });
-    case Field::kPoint:
-      return check(float{}, [](float weight) { return weight >= 0 && weight <= 1; });
-    case Field::kNormal:
-      return check(float{}, [](float component) { return std::abs(component) <= 1; });
-    case Field::kDistance:
-      for (const float distance : field.As<float>()) {
-        if (absl::Status status = CheckDistance(distance); !status.ok()) return status;
-      }
-      return absl::OkStatus();
-    case Field::kLinks:
-      return check(float{}, [](float share) { return std::isnan(share) || (share > 0 && share <= 1); });
-    case Field::kLinkTriangles:
-      return check(uint32_t{}, [this](uint32_t number) {
-        return number < accepted_->mesh.triangles || number == std::numeric_limits<uint32_t>::max();
-      });
-    case Field::kLinkCrossings:
-      return check(uint32_t{}, [this](uint32_t number) { return number <= accepted_->mesh.triangles; });
-    case Field::kFraction:
-    case Field::kLabelFractions:
-      return check(uint16_t{}, [n = uint64_t{request_.fraction_n}](uint16_t number) { return number <= n * n * n; });
-    case Field::kColor:
-      break;  // any bytes
-  }
-  return absl::OkStatus();
-}
-
-absl::Status AnswerCheck::CheckDistance(float distance) const {
-  if (!std::isfinite(distance)) return Broken("a distance of ", distance);
-  if (band() != nullptr) {
-    const double width = std::min(BandWidth(), double{std::numeric_limits<float>::max()});
-    if (std::abs(distance) > static_cast<float>(width))
-      return Broken("a distance of ", distance, " in a band of ", width);
-  }
-  if (std::signbit(distance) && !(request_.signed_distance && distance < 0)) {
-    return Broken("a distance of ", distance, request_.signed_distance ? "" : " without signs");
-  }
-  return absl::OkStatus();
-}
-
-double AnswerCheck::BandWidth() const {
-  return band()->in_voxels ? band()->width * accepted_->grid.voxel_size : band()->width;
-}
-
 // Checks the certificate's facts about the set.
 absl::Status AnswerCheck::CheckSet(const Certificate& certificate) const {
   if (certificate.set != NameOf(request_.set)) {
     return Broken("the set ", certificate.set, " instead of ", NameOf(request_.set));
   }
-  if (certificate.band.has_value() != (band() != nullptr)) {
+  const Band* const band = std::get_if<Band>(&request_.set);
+  if (certificate.band.has_value() != (band != nullptr)) {
     return Broken("a certificate ", certificate.band ? "of a band" : "without a band");
   }
   const bool walks = std::holds_alternative<Enclosed>(request_.set) || std::holds_alternative<Connected>(request_.set);
   if (certificate.walk.has_value() != walks) {
     return Broken("a certificate ", walks ? "without" : "with", " facts about a walk");
   }
-  if (certificate.band && certificate.band->width != BandWidth()) {
-    return Broken("a band of ", certificate.band->width, " instead of ", BandWidth());
+  if (certificate.band && certificate.band->width != BandWidth(*band, accepted_->grid)) {
+    return Broken("a band of ", certificate.band->width, " instead of ", BandWidth(*band, accepted_->grid));
   }
   return absl::OkStatus();
 }

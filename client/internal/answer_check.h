@@ -5,7 +5,6 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <variant>
 #include <vector>
 
 #include "absl/container/flat_hash_set.h"
@@ -50,15 +49,11 @@ class AnswerCheck {
   absl::Status ReceiveFields(const v1::BrickBatch& message, size_t voxels);
   absl::Status ReceiveField(const v1::FieldValues& message, size_t voxels, FieldValues& out);
   absl::Status PassOn();
-  absl::Status CheckValues(const FieldValues& field) const;
-  absl::Status CheckDistance(float distance) const;
   absl::Status ReceiveSummary(const v1::Summary& message);
   absl::Status CheckSet(const Certificate& certificate) const;
   absl::Status CheckNeighbors() const;
   absl::Status CheckFractionLabels() const;
   absl::Status CheckFields(const Certificate& certificate) const;
-  const Band* band() const { return std::get_if<Band>(&request_.set); }
-  double BandWidth() const;
   absl::Status CheckBrick(const Brick& brick, const Brick* previous);
 
   const VoxelizeHandlers& handlers_;

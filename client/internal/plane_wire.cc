@@ -4,17 +4,11 @@
 #include <utility>
 
 #include "absl/container/flat_hash_map.h"
-#include "absl/strings/str_cat.h"
+#include "client/internal/broken_protocol.h"
 #include "client/internal/digest.h"
-#include "client/internal/printable.h"
 
 namespace latvox::client {
 namespace {
-
-template <class... Parts>
-absl::Status BrokenPlane(const Parts&... parts) {
-  return absl::DataLossError(Printable(absl::StrCat("the server broke the protocol: ", parts...)));
-}
 
 v1::Vector2 ToProto(const Vec2d& v) {
   v1::Vector2 out;
@@ -54,11 +48,10 @@ bool IsUsable(const PlaneTransform& grid) {
 }
 
 absl::Status ReadPixels(const v1::PixelizeResponse& response, std::vector<Vec2i>& pixels) {
-  if (response.pixels_size() % 2 != 0)
-    return BrokenPlane("pixels has ", response.pixels_size(), " numbers, an odd number");
+  if (response.pixels_size() % 2 != 0) return Broken("pixels has ", response.pixels_size(), " numbers, an odd number");
   for (int n = 0; n < response.pixels_size(); n += 2) {
     const Vec2i ij = {response.pixels(n), response.pixels(n + 1)};
-    if (!pixels.empty() && !(pixels.back() < ij)) return BrokenPlane("pixel ", ij[0], ",", ij[1], " is out of order");
+    if (!pixels.empty() && !(pixels.back() < ij)) return Broken("pixel ", ij[0], ",", ij[1], " is out of order");
     pixels.push_back(ij);
   }
   return absl::OkStatus();
@@ -108,7 +101,7 @@ absl::StatusOr<Pixelization> FromProto(const v1::PixelizeResponse& response) {
   out.request_id = response.request_id();
   const v1::PlaneGrid& grid = response.grid();
   out.grid = {{FromProto(grid.basis().a()), FromProto(grid.basis().b())}, FromProto(grid.origin()), grid.pixel_size()};
-  if (!IsUsable(out.grid)) return BrokenPlane("the grid is not finite or is singular");
+  if (!IsUsable(out.grid)) return Broken("the grid is not finite or is singular");
   if (auto status = ReadPixels(response, out.pixels); !status.ok()) return status;
   out.crossed_edges = response.crossed_edges();
   out.tunnels = response.tunnels();
@@ -119,7 +112,7 @@ absl::StatusOr<Pixelization> FromProto(const v1::PixelizeResponse& response) {
   out.version = response.version();
   out.digest = response.digest();
   if (const std::string digest = DigestOf(out.pixels); out.digest != digest) {
-    return BrokenPlane("digest ", out.digest, ", the pixels' is ", digest);
+    return Broken("digest ", out.digest, ", the pixels' is ", digest);
   }
   out.pixelize_ms = response.pixelize_ms();
   return out;
