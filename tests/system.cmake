@@ -117,6 +117,8 @@ if(NOT latvox_sanitized)
   # The first of these makes the image that the others run. Networks of containers share one name server.
   latvox_add_system_test(deploy.image_build "${latvox_python};deploy/image_build_test.py" FIXTURES_SETUP image LABELS deploy
                          RUN_SERIAL ON SKIP_RETURN_CODE 77 TIMEOUT 3600)
+  latvox_add_system_test(deploy.gateway_image "${latvox_python};deploy/gateway_image_test.py" LABELS deploy RUN_SERIAL ON
+                         SKIP_RETURN_CODE 77 TIMEOUT 1800)
   foreach(name image compose image_readme kubernetes_pod slurm_container)
     latvox_add_system_test(deploy.${name} "${latvox_python};deploy/${name}_test.py" FIXTURES_REQUIRED image LABELS deploy
                            RUN_SERIAL ON SKIP_RETURN_CODE 77 TIMEOUT 1800)

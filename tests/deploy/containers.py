@@ -86,10 +86,10 @@ def debian(name, *options, change=()):
     tar.unlink()
 
 
-def build(context, image, *options):
-    """Builds the image as deploy/docs/image.md does, but from `debian`'s base. Returns the seconds that it took."""
+def build(context, image, *options, file="deploy/Dockerfile"):
+    """Builds the image as deploy/docs does, but from `debian`'s base. Returns the seconds that it took."""
     command = ["buildah", "bud", "--isolation=chroot", "--layers", "--pull-never", "--format=docker", "--timestamp=0"]
-    command += [f"--build-arg=BASE={BASE}", "--file", pathlib.Path(context) / "deploy/Dockerfile", "--tag", image, *options]
+    command += [f"--build-arg=BASE={BASE}", "--file", pathlib.Path(context) / file, "--tag", image, *options]
     started = time.monotonic()
     run(*command, context, timeout=3000)
     return time.monotonic() - started

@@ -39,7 +39,7 @@ class Gateway:
     def __init__(self, directory, upstream, *options, program=GATEWAY / "main.js"):
         self.set, self.path = protocol(directory), directory / "gateway.log"
         self.secure = "--tls-cert" in options
-        words = ["node", program, "--listen", "127.0.0.1:0", "--upstream", upstream, "--protocol", self.set, *options]
+        words = [program, "--listen", "127.0.0.1:0", "--upstream", upstream, "--protocol", self.set, *options]
         with open(self.path, "wb") as log:
             self.process = subprocess.Popen(words, stdout=log, stderr=log)
         address = self.await_log(r"event=listening address=(\S+)")
