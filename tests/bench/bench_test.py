@@ -197,6 +197,16 @@ class Bench(unittest.TestCase):
         self.assertLess(deep["job_peak_bytes"], 4e6)
         self.assertLess(instructions("box", "65536", *region(30000)), 2 * instructions("box", "1024", *region(470)))
 
+    def test_the_scripts_fill_their_tables(self):
+        for script, words, row in (
+            ("whole", [f"{BUNNY}:32"], r"\| bunny.obj 32 (\| -?\d+ ){7}\|\n"),
+            ("writers", ["--resolution", "32", "--formats", ".npy"], r"\| `.npy` (\| -?[\d.]+ ){5}\|\n"),
+        ):
+            command = [pathlib.Path(__file__).with_name(script), "--bin", BENCH.parent, "--rounds", "1", *words]
+            done = subprocess.run(command, capture_output=True, text=True, timeout=120)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertRegex(done.stdout, row + "$")
+
     def test_exit_statuses(self):
         for words, status in (
             (("--help",), 0),
