@@ -23,10 +23,12 @@ class Sbom(Case):
         done = sbom("--static", "openvdb=10.0.1=MPL-2.0", *PROGRAMS, LATE)
         assert done.returncode == 0, done.stderr
         cls.document = json.loads(done.stdout)
-        cls.packages = {package["name"]: package for package in cls.document["packages"]}
+        # Debian 13 adds t64 to the names of libraries that got times of 64 bits on some processors.
+        cls.packages = {package["name"].removesuffix("t64"): package for package in cls.document["packages"]}
 
     def test_every_library_has_its_package_with_the_installed_version(self):
-        for name, package in self.packages.items():
+        for package in self.document["packages"]:
+            name = package["name"]
             if package["supplier"] != "Organization: Debian":
                 continue
             version = subprocess.run(["dpkg-query", "-W", "-f=${Version}\n", name], capture_output=True, text=True).stdout
