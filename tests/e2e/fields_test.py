@@ -249,7 +249,7 @@ class Fields(Case):
     def check_expressions(self, voxels):
         """OpenVDB's expressions copy integer grids into the grid of colors."""
         if shutil.which("vdb_ax") is None:
-            print("fields: expressions are NOT CHECKED, because Debian 13 has no vdb_ax")
+            print("fields: expressions are NOT CHECKED, because there is no vdb_ax; Debian 12 has it")
             return
         expression = "vec3f@color = {float(int@material), float(int@part), -1.0f};"
         subprocess.run(["vdb_ax", "-i", self.dir / "o.vdb", "-o", self.dir / "ax.vdb", "-s", expression],
