@@ -265,12 +265,13 @@ class Faults(Stores):
         self.assertEqual({r["status"] for r in self.results()}, {"done"})
 
     def test_damage_without_end_is_an_error_and_leaves_nothing(self):
-        for fault, choose in (("damage", "GET"), ("damage_request", "PUT")):
+        refusals = "BadDigest|XAmzContentSHA256Mismatch"  # versions of Swift differ in the digest that they compare first
+        for fault, choose, says in (("damage", "GET", "damaged on its way"), ("damage_request", "PUT", refusals)):
             job = {**self.small(1)[0], "out": f"s3://bucket/{self.prefix}{fault}.csv"}
             with Relay(self.store, lambda request: fault if request.method == choose else None) as relay:
                 environment = self.environment(relay.port, AWS_MAX_ATTEMPTS="3")
                 done = self.batch([job], code=UNREACHABLE, environment=environment)
-            self.assertIn("damaged on its way" if choose == "GET" else "BadDigest", done.stderr)
+            self.assertRegex(done.stderr, says)
             self.assertIn("3 tries failed", done.stderr)
         self.assertEqual(self.keys(), set())
 
