@@ -16,6 +16,7 @@
 #include "client/mesh_files/mesh_format.h"
 #include "core/snap/mesh_range.h"
 #include "server/decode/draco_decoder.h"
+#include "tests/bench/parts.h"
 #include "tests/bench/scene_file.h"
 #include "tests/bench/wires.h"
 
@@ -141,6 +142,7 @@ class Midpoints {
 
 absl::StatusOr<TriangleMesh> MeshNamed(const std::string& name) {
   if (name == "box") return Box();
+  if (auto parts = PartsNamed(name)) return *std::move(parts);
   if (absl::string_view count = name; absl::ConsumePrefix(&count, "sphere:")) return SphereOf(count);
   if (absl::string_view count = name; absl::ConsumePrefix(&count, "wires:")) return WiresOf(count);
   if (client::FormatOfPath(name) == client::MeshFormat::kDraco) {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 #include <utility>
 
@@ -78,6 +79,32 @@ TEST(MeshNamed, WiresHaveSixteenLongThinTrianglesEach) {
         longest = std::max(longest, std::abs(wires.vertices[end][m] - wires.vertices[a][m]));
     }
     EXPECT_GT(longest, 0.99F);
+  }
+}
+
+// Loops of one part may meet without shared vertices.
+TriangleMesh WithVerticesMerged(TriangleMesh mesh) {
+  std::map<Vec3f, uint32_t> first;
+  for (auto& triangle : mesh.triangles) {
+    for (uint32_t& v : triangle) v = first.try_emplace(mesh.vertices[v], v).first->second;
+  }
+  return mesh;
+}
+
+TEST(BenchMeshes, PartsAreValidAndAlwaysTheSame) {
+  for (const char* name : {"gears", "plates", "honeycomb", "threads", "pipes", "city", "shells", "tree"}) {
+    const TriangleMesh parts = Made(name);
+    EXPECT_TRUE(CheckMesh(parts).ok()) << name;
+    EXPECT_GT(parts.triangles.size(), 1000U) << name;
+    EXPECT_EQ(parts.vertices, Made(name).vertices) << name;
+  }
+}
+
+TEST(BenchMeshes, GearsThreadsPipesAndCityAreSolids) {
+  for (const char* name : {"gears", "threads", "pipes", "city"}) {
+    const TriangleMesh parts = WithVerticesMerged(Made(name));
+    EXPECT_TRUE(IsClosedAndOriented(parts)) << name;
+    EXPECT_GT(VolumeOf(parts), 0) << name;
   }
 }
 
