@@ -37,6 +37,8 @@ bool Thinner::Thin(const TileContext& context, const ScannedSurface& scanned) {
 bool Thinner::Decide(const TileContext& context, const ScannedSurface& scanned) {
   // Where many triangles meet in few voxels, each step takes a while.
   if (!context.stop.Stopped()) FindUndecided(context, scanned);
+  links_.Reset(scanned.voxels.where().layout);
+  for (const ScanFrame& scan : context.frames) links_.AddDirection(scanned.voxels.where().layout, scan.frame.q);
   if (!context.stop.Stopped()) Ask(context, scanned);
   if (context.stop.Stopped()) return true;
   std::vector<uint32_t> doubtful;
@@ -47,8 +49,14 @@ bool Thinner::Decide(const TileContext& context, const ScannedSurface& scanned) 
   TileBits& surface = scanned.voxels.bits();
   bool decided = latvox::Thin(where.layout, doubtful, undecided_, links_, known, where.wanted, surface, context.stop);
   if (!decided) {
+    // The links of voxels inside `known` are known, and most voxels are there: they are not asked again.
+    for (const uint32_t voxel : doubtful) {
+      if (known.Contains(where.layout.VoxelAt(voxel))) undecided_.Clear(voxel);
+    }
     AddBorder(context, scanned.voxels, doubtful);
     Ask(context, scanned);
+    for (const uint32_t voxel : doubtful) undecided_.Set(voxel);
+    list_.insert(list_.end(), doubtful.begin(), doubtful.end());
     decided = latvox::Thin(where.layout, doubtful, undecided_, links_, where.box, where.wanted, surface, context.stop);
   }
   for (const uint32_t voxel : list_) undecided_.Clear(voxel);
@@ -123,8 +131,6 @@ void Thinner::AddInner(const Crossings& some, const TileBits& bits, bool in_set)
 // Asks all triangles at undecided voxels. Voxels that prove essential leave; links between the others are recorded.
 void Thinner::Ask(const TileContext& context, const ScannedSurface& scanned) {
   const BlockBox& where = scanned.voxels.where();
-  links_.Reset(where.layout);
-  for (const ScanFrame& scan : context.frames) links_.AddDirection(where.layout, scan.frame.q);
   scanned.candidates.ForEach(context, where,
                              [&](const Candidates& candidates) { AskCandidates(context, scanned.voxels, candidates); });
   for (size_t n = 0; n < inner_.nearer.size(); ++n) {
