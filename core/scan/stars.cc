@@ -77,42 +77,70 @@ using Float = hn::ScalableTag<float>;
 using Floats = hn::Vec<Float>;
 using Floats3 = std::array<Floats, 3>;
 
+// Triangles in lanes, whose edges are divided by their largest |entry|. That changes no sign. And errors are then
+// relative to the edges, not to the square of their distance. With that, nearly all pairs of long thin triangles were
+// left open.
+struct ScaledTriangles {
+  Floats3 normal;
+  std::array<Floats3, 3> moment;  // of the edges
+
+  HWY_INLINE explicit ScaledTriangles(const std::array<Floats3, 3>& v) {
+    const Float d;
+    std::array<Floats3, 3> edge;
+    std::array<Floats, 3> length;
+    for (size_t n = 0; n < 3; ++n) {
+      edge[n] = Minus(v[(n + 1) % 3], v[n]);
+      length[n] = hn::Max(hn::Max(hn::Abs(edge[n][0]), hn::Abs(edge[n][1])), hn::Abs(edge[n][2]));
+      const Floats by = hn::Div(hn::Set(d, 1), hn::Max(length[n], hn::Set(d, 1)));  // edges without length stay 0
+      for (Floats& entry : edge[n]) entry = hn::Mul(entry, by);
+      // (B - A) x (z - A) = A x (B - A) for z at the origin.
+      moment[n] = CrossOf(v[n], edge[n]);
+    }
+    // The shortest edge must be a factor of the normal, because the two others may be nearly parallel.
+    const auto is_1 = hn::Lt(length[1], length[0]), is_2 = hn::Lt(length[2], hn::Min(length[0], length[1]));
+    Floats3 shortest, next;
+    for (size_t m = 0; m < 3; ++m) {
+      shortest[m] = hn::IfThenElse(is_2, edge[2][m], hn::IfThenElse(is_1, edge[1][m], edge[0][m]));
+      next[m] = hn::IfThenElse(is_2, edge[0][m], hn::IfThenElse(is_1, edge[2][m], edge[1][m]));
+    }
+    normal = CrossOf(shortest, next);
+  }
+};
+
 // Finds the certain links of pairs in lanes. Returns the lanes in which the rounding of floats leaves some links open;
 // bit n for lane n.
 //   corners    of the triangles, from the voxels, by axis in lattice units
 //   farthest   each lane's largest |coordinate|; beyond 2^kOffsetBits, a lane's result is meaningless
 //   reach      the largest |entry| of directions
 //
-// Bounds of errors, with w for `farthest` and u = 2^-24 for a rounding: a moment's entry a * d - b * c is at most 2w^2,
-// and wrong by at most 4uw^2. The normal is their sum, at most 6w^2, and wrong by 22uw^2. So a product of the normal
-// with a direction is wrong by (3 * 22 + 18 + 30)urw^2, one of a moment by (3 * 4 + 6 + 10)urw^2, and one of the normal
-// with the first corner by (3 * 22 + 18 + 30)uw^3. The second and third terms there are the roundings of three products
-// and of their sum. Terms with u^2, and the roundings of these bounds, are less than the gap to 128 and 32. A rounded
-// difference that is compared with a float needs no more, because rounding is monotone. Contraction to fused products
-// leaves roundings out.
+// Bounds of errors, with w for `farthest` and u = 2^-24 for a rounding: a scaled edge's entries are at most 1, and
+// wrong by 2u, for a difference and a product; the factor may be any. A moment's entry a * d - b * c is at most 2w, and
+// wrong by 8uw. The normal's is at most 2, and wrong by 12u. So a product of the normal with a direction is wrong by (3
+// * 12 + 6 + 10)ur, one of a moment by (3 * 8 + 6 + 10)urw, and one of the normal with the first corner by (3 * 12 + 6
+// + 10)uw. The second and third terms there are the roundings of three products and of their sum. Terms with u^2, and
+// the roundings of these bounds, are less than the gap to 56 and 44. A rounded difference that is compared with a float
+// needs no more, because rounding is monotone. Contraction to fused products leaves roundings out.
 HWY_INLINE uint64_t SureStars(const std::vector<ScanFrame>& frames, int32_t reach, const std::array<Ints3, 3>& corners,
                               Ints farthest, StarLinks* out) {
   const Float d;
   const Lanes ints;
-  std::array<Floats3, 3> v, moment;
+  std::array<Floats3, 3> v;
   for (size_t n = 0; n < 3; ++n) {
     for (size_t m = 0; m < 3; ++m) v[n][m] = hn::ConvertTo(d, corners[n][m]);
   }
-  // (B - A) x (z - A) = A x B for z at the origin; and the normal (B - A) x (C - A) is the sum of these.
-  for (size_t n = 0; n < 3; ++n) moment[n] = CrossOf(v[n], v[(n + 1) % 3]);
-  Floats3 normal;
-  for (size_t m = 0; m < 3; ++m) normal[m] = hn::Add(hn::Add(moment[0][m], moment[1][m]), moment[2][m]);
+  const auto [normal, moment] = ScaledTriangles(v);
   const Floats minus_distance = DotOf(normal, v[0]);
-  const Floats away = hn::Abs(minus_distance);
   const auto below = hn::Gt(minus_distance, hn::Zero(d));
 
   constexpr float kUnit = 0x1p-24F, kHalfStep = kLatticeUnit / 2;
-  const Floats w = hn::ConvertTo(d, farthest), square = hn::Mul(w, w);
   const auto scaled = [&](float by, Floats x) HWY_ATTR { return hn::Mul(hn::Set(d, by), x); };
   const auto r = static_cast<float>(reach);
-  const Floats distance_error = scaled(128 * kUnit, hn::Mul(square, w)), side_error = scaled(32 * kUnit * r, square);
-  const Floats plane_error = hn::Add(distance_error, scaled(kHalfStep * 128 * kUnit * r, square));
-  const Floats minus_side_error = hn::Neg(side_error), minus_plane_error = hn::Neg(plane_error);
+  const Floats w = hn::ConvertTo(d, farthest), distance_error = scaled(56 * kUnit, w);
+  const Floats side_error = scaled(44 * kUnit * r, w), minus_side_error = hn::Neg(side_error);
+  // In half steps, a power of two of lattice units.
+  const Floats away = scaled(1 / kHalfStep, hn::Abs(minus_distance)),
+               away_error = scaled(1 / kHalfStep, distance_error);
+  const Floats plane_error = hn::Add(away_error, hn::Set(d, 56 * kUnit * r)), minus_plane_error = hn::Neg(plane_error);
 
   using Dots = Multiples<Float>;
   const Dots by_normal(d, normal, reach);
@@ -123,12 +151,12 @@ HWY_INLINE uint64_t SureStars(const std::vector<ScanFrame>& frames, int32_t reac
     const Vec3i& q = frames[n].frame.q;
     const Floats along = by_normal.Dot(q);
     // The amount by which the plane is nearer than half a step.
-    const Floats nearer_by = hn::Sub(scaled(kHalfStep, hn::Abs(along)), away);
+    const Floats nearer_by = hn::Sub(hn::Abs(along), away);
     const auto may_be_near = hn::Not(hn::Lt(nearer_by, minus_plane_error));
     if (hn::AllFalse(d, may_be_near)) continue;
     const Floats s0 = by_moment[0].Dot(q), s1 = by_moment[1].Dot(q), s2 = by_moment[2].Dot(q);
     const Floats least = hn::Min(s0, hn::Min(s1, s2)), most = hn::Max(s0, hn::Max(s1, s2));
-    // Sides add up to `along`: with one sign, they have its sign, too.
+    // Unscaled, sides add up to `along`: with one sign, they have its sign, too.
     const auto up = hn::Gt(least, side_error), inside = hn::Or(up, hn::Lt(most, minus_side_error));
     const auto outside = hn::And(hn::Lt(least, minus_side_error), hn::Gt(most, side_error));
     const auto meets = hn::And(hn::Gt(nearer_by, plane_error), inside);
@@ -139,7 +167,7 @@ HWY_INLINE uint64_t SureStars(const std::vector<ScanFrame>& frames, int32_t reac
     forward = hn::Or(forward, hn::IfThenElseZero(hn::RebindMask(ints, leads_forward), bit));
   }
   // The side of the plane on which the voxel lies gives the direction to the farther end.
-  const auto sided = hn::RebindMask(ints, hn::Gt(away, distance_error));
+  const auto sided = hn::RebindMask(ints, hn::Gt(away, away_error));
   int32_t bits[2][kTriangleLanes];
   hn::StoreU(nearer, ints, bits[0]);
   hn::StoreU(forward, ints, bits[1]);
