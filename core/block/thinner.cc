@@ -79,7 +79,9 @@ void Thinner::FindUndecided(const TileContext& context, const ScannedSurface& sc
   const auto add = [&](uint32_t voxel) {
     if ((any_tiny && essential_.Test(voxel)) || undecided_.Test(voxel)) return;
     const Vec3i ijk = where.layout.VoxelAt(voxel);
-    if (!complete.Contains(ijk) || !MayMatter(ijk, where.wanted, context.reach)) return;
+    const bool matters =
+        where.wanted.Contains(ijk) || (complete.Contains(ijk) && MayMatter(ijk, where.wanted, context.reach));
+    if (!matters) return;
     undecided_.Set(voxel);
     list_.push_back(voxel);
   };

@@ -82,13 +82,21 @@ class CrossedLinks {
     return words_[row * kRow + voxel % kRow];
   }
 
-  // Calls f(other, flip) for the links among these bits of a voxel, until it returns true. Returns whether it did. The
-  // parity class of the other end is that of the voxel ^ flip.
+  // Returns the bits of links from voxels of a parity class to those of lower ones.
+  uint32_t ToLowerClasses(uint32_t parity) const {
+    uint32_t bits = 0;
+    for (size_t bit = 0; bit < steps_.size(); ++bit) {
+      if ((all_ >> bit & 1) != 0 && (parity ^ steps_[bit].flip) < parity) bits |= uint32_t{1} << bit;
+    }
+    return bits;
+  }
+
+  // Calls f(other) with the other ends of the links among these bits of a voxel, until it returns true. Returns whether
+  // it did.
   template <class F>
   bool Any(uint32_t voxel, uint32_t bits, F&& f) const {
     for (bits &= kLinks; bits != 0; bits &= bits - 1) {
-      const Step& step = steps_[static_cast<size_t>(std::countr_zero(bits))];
-      if (f(voxel + static_cast<uint32_t>(step.number), step.flip)) return true;
+      if (f(EndOf(voxel, static_cast<size_t>(std::countr_zero(bits))))) return true;
     }
     return false;
   }
@@ -99,7 +107,7 @@ class CrossedLinks {
   static constexpr size_t kUsual = size_t{1} << 18;
   struct Step {
     int32_t number;  // the difference of the other end's number
-    uint32_t flip;
+    uint32_t flip;   // the parity class of the other end is that of the voxel ^ flip
   };
 
   std::array<Step, 2 * kForward> steps_{};  // by bit

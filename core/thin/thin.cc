@@ -6,8 +6,8 @@
 
 namespace latvox {
 
-// An unsure voxel may have left by the time of a later pass; in earlier passes it is still there. A voxel that may be
-// doubtful and is not listed is unsure.
+// Only voxels of lower classes may have left before a voxel's pass, so only the links to these are looked at. An unsure
+// voxel may have left by the time of a later pass. A voxel that may be doubtful and is not listed is unsure.
 bool Thin(const BitsLayout& layout, std::span<const uint32_t> doubtful, const TileBits& doubted, CrossedLinks& links,
           const IndexBox& known, const IndexBox& wanted, TileBits& set, StopSignal stop) {
   constexpr uint32_t kListed = CrossedLinks::kListed, kUnsure = CrossedLinks::kUnsure;
@@ -21,33 +21,31 @@ bool Thin(const BitsLayout& layout, std::span<const uint32_t> doubtful, const Ti
     word = (word & CrossedLinks::kLinks) | kListed | (known.Contains(layout.VoxelAt(voxel)) ? 0 : kUnsure);
     passes[layout.ParityClass(voxel)].push_back(voxel);
   }
-  bool decided = true;
   std::vector<uint32_t> removed;
   for (uint32_t parity = 0; parity < kParityClasses; ++parity) {
+    const uint32_t to_lower = links.ToLowerClasses(parity);
     for (const uint32_t voxel : passes[parity]) {
       if (stop.Stopped()) return true;
       const uint32_t word = links.Get(voxel);
       bool may_keep = (word & kUnsure) != 0;
-      const bool keep = links.Any(voxel, word, [&](uint32_t other, uint32_t flip) {
+      const bool keep = links.Any(voxel, word & to_lower, [&](uint32_t other) {
         if (!set.Test(other)) return true;
-        const bool may_have_left = (parity ^ flip) < parity && doubted.Test(other);
-        if (may_have_left) may_keep |= (links.Get(other) & (kListed | kUnsure)) != kListed;
+        may_keep |= doubted.Test(other) && (links.Get(other) & (kListed | kUnsure)) != kListed;
         return false;
       });
       if (keep) continue;
-      if (may_keep) {
-        links.At(voxel) |= kUnsure;
-        decided &= !wanted.Contains(layout.VoxelAt(voxel));
-      } else {
+      if (!may_keep) {
         set.Clear(voxel);
         removed.push_back(voxel);
+      } else if (wanted.Contains(layout.VoxelAt(voxel))) {
+        for (const uint32_t gone : removed) set.Set(gone);
+        return false;
+      } else {
+        links.At(voxel) |= kUnsure;
       }
     }
   }
-  if (!decided) {
-    for (const uint32_t voxel : removed) set.Set(voxel);
-  }
-  return decided;
+  return true;
 }
 
 }  // namespace latvox
