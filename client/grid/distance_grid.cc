@@ -12,6 +12,7 @@
 #include "client/grid/field_forms.h"
 #include "client/grid/grid_file.h"
 #include "client/grid/grid_metadata.h"
+#include "client/grid/metadata_types.h"
 #include "client/grid/nano_file.h"
 #include "client/grid/openvdb_trees.h"
 #include "client/grid/request_metadata.h"
@@ -68,6 +69,10 @@ void DistanceGrid::SetRequest(const VoxelizeRequest& request, const MeshNote& no
 void DistanceGrid::SetCertificate(const Certificate& certificate) { Describe(certificate, *content_->grid); }
 
 void DistanceGrid::SetWarnings(const std::vector<Warning>& warnings) { DescribeWarnings(warnings, *content_->grid); }
+
+void DistanceGrid::SetMetadata(const std::vector<std::pair<std::string, std::string>>& metadata) {
+  InsertTexts(metadata, *content_->grid);
+}
 
 namespace {
 

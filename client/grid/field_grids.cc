@@ -6,6 +6,7 @@
 #include "client/grid/field_forms.h"
 #include "client/grid/grid_file.h"
 #include "client/grid/grid_metadata.h"
+#include "client/grid/metadata_types.h"
 #include "client/grid/names_metadata.h"
 #include "client/grid/nano_file.h"
 #include "client/grid/request_metadata.h"
@@ -78,6 +79,11 @@ void FieldGrids::SetCertificate(const Certificate& certificate) {
 void FieldGrids::SetWarnings(const std::vector<Warning>& warnings) {
   content_->voxels.SetWarnings(warnings);
   for (const openvdb::GridBase::Ptr& grid : content_->grids) DescribeWarnings(warnings, *grid);
+}
+
+void FieldGrids::SetMetadata(const std::vector<std::pair<std::string, std::string>>& metadata) {
+  content_->voxels.SetMetadata(metadata);
+  for (const openvdb::GridBase::Ptr& grid : content_->grids) InsertTexts(metadata, *grid);
 }
 
 absl::Status FieldGrids::Write(const std::string& path) { return WriteGridFile(content_->All(), path); }

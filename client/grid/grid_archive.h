@@ -1,46 +1,37 @@
-// The grids of a .vdb file, read from a stream. Includes OpenVDB's headers. Internal to latvox::grid.
+// The grids of a .vdb or .nvdb file, read from a stream. Includes OpenVDB's headers. Internal to latvox::grid.
 #ifndef LATVOX_CLIENT_GRID_GRID_ARCHIVE_H_
 #define LATVOX_CLIENT_GRID_GRID_ARCHIVE_H_
 
-#include <openvdb/io/Archive.h>
-#include <openvdb/io/GridDescriptor.h>
-
 #include <istream>
-#include <map>
+#include <memory>
+#include <set>
 #include <string>
 
 #include "client/grid/openvdb_trees.h"
 
 namespace latvox::client {
 
-// Like openvdb::io::File, which takes only the name of a file, and reads on behind its end. All functions throw
-// exceptions of OpenVDB, and std::ios_base::failure where the stream ends. OpenVDB trusts the file: damaged bytes can
-// crash the process, or take all its memory. Not thread-safe.
-class GridArchive : openvdb::io::Archive {
+// All functions throw exceptions of OpenVDB, std::runtime_error and std::ios_base::failure. OpenVDB and NanoVDB trust
+// the file: damaged bytes can crash the process, or take all its memory. Not thread-safe.
+class GridArchive {
  public:
-  // Reads the names of all grids; of a file that was written as a stream, the grids. `in` must outlive the archive.
-  explicit GridArchive(std::istream& in);
+  virtual ~GridArchive() = default;
 
-  bool empty() const { return entries_.empty(); }
-  bool HasGrid(const std::string& name) const { return entries_.contains(name); }
+  bool empty() const { return names_.empty(); }
+  bool HasGrid(const std::string& name) const { return names_.contains(name); }
 
   // Returns the first of all names, in lexicographic order. Precondition: !empty().
-  const std::string& FirstName() const { return entries_.begin()->first; }
+  const std::string& FirstName() const { return *names_.begin(); }
 
   // Reads the first grid of that name. Precondition: HasGrid(name).
-  openvdb::GridBase::Ptr ReadGrid(const std::string& name);
+  virtual openvdb::GridBase::Ptr ReadGrid(const std::string& name) = 0;
 
- private:
-  struct Entry {
-    openvdb::io::GridDescriptor descriptor;
-    openvdb::GridBase::Ptr grid;  // of a file that was written as a stream; otherwise null
-  };
-
-  openvdb::GridBase::Ptr ReadEntry(const Entry& entry);
-
-  std::istream& in_;
-  std::multimap<std::string, Entry> entries_;  // by name
+ protected:
+  std::set<std::string> names_;
 };
+
+// Opens the grids of a .vdb file. `in` must outlive the archive.
+std::unique_ptr<GridArchive> OpenVdbArchive(std::istream& in);
 
 }  // namespace latvox::client
 

@@ -1,4 +1,5 @@
-// Opens and describes .vdb files, with grids of any type. Includes OpenVDB's headers. Internal to latvox::grid.
+// Opens and describes .vdb and .nvdb files, with grids of any type. Includes OpenVDB's headers. Internal to
+// latvox::grid.
 #ifndef LATVOX_CLIENT_GRID_GRID_READING_H_
 #define LATVOX_CLIENT_GRID_GRID_READING_H_
 
@@ -15,6 +16,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/str_cat.h"
 #include "client/grid/grid_archive.h"
+#include "client/grid/nano_archive.h"
 #include "client/grid/open_file.h"
 #include "client/grid/openvdb_trees.h"
 #include "client/internal/printable.h"
@@ -22,16 +24,17 @@
 
 namespace latvox::client {
 
-// Returns the result of read(archive) for the file's bytes. Errors: INVALID_ARGUMENT (an exception of OpenVDB, or the
-// end of the bytes), with the path; RESOURCE_EXHAUSTED: memory.
+// Returns the result of read(archive) for the file's bytes. Errors: INVALID_ARGUMENT (an exception of OpenVDB or
+// NanoVDB, or the end of the bytes), with the path; RESOURCE_EXHAUSTED: memory.
 template <class Read>
 auto WithArchive(std::istream& in, const std::string& path, const Read& read)
     -> decltype(read(std::declval<GridArchive&>())) {
   std::string why;
+  const bool is_nano = IsNanoFile(in);
   try {
     openvdb::initialize();
-    GridArchive archive(in);
-    return read(archive);
+    const auto archive = is_nano ? OpenNanoArchive(in) : OpenVdbArchive(in);
+    return read(*archive);
   } catch (const std::bad_alloc&) {
     return absl::ResourceExhaustedError(absl::StrCat(path, ": is larger than the memory at hand"));
   } catch (const std::ios_base::failure&) {
@@ -39,7 +42,8 @@ auto WithArchive(std::istream& in, const std::string& path, const Read& read)
   } catch (const std::exception& error) {
     why = Printable(error.what());
   }
-  return absl::InvalidArgumentError(absl::StrCat(path, ": is not a readable .vdb file (", why, ")"));
+  return absl::InvalidArgumentError(
+      absl::StrCat(path, ": is not a readable ", is_nano ? ".nvdb" : ".vdb", " file (", why, ")"));
 }
 
 // Calls WithArchive for the file.

@@ -11,7 +11,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "client/grid/grid_metadata.h"
-#include "client/grid/nano_names.h"
+#include "client/grid/nano_facts.h"
 #if LATVOX_NANOVDB_OF_OPENVDB_12
 #define NANOVDB_USE_OPENVDB
 #include <nanovdb/tools/CreateNanoGrid.h>
@@ -23,8 +23,6 @@
 
 namespace latvox::client {
 namespace {
-
-constexpr char kBlindName[] = "latvox";
 
 // Returns our metadata as `latvox info` shows them.
 std::string TextOf(const openvdb::MetaMap& metadata) {
@@ -85,7 +83,7 @@ nanovdb::GridHandle<> WithText(const nanovdb::GridHandle<>& plain, const std::st
   blind->mSemantic = nanovdb::GridBlindDataSemantic::Unknown;
   blind->mDataClass = nanovdb::GridBlindDataClass::Unknown;
   blind->mDataType = nanovdb::GridType::Unknown;
-  std::memcpy(blind->mName, kBlindName, sizeof(kBlindName));
+  std::memcpy(blind->mName, kNanoBlindName, sizeof(kNanoBlindName));
   std::memcpy(blind + 1, text.data(), text.size());
   nanovdb::GridHandle<> handle(std::move(buffer));
   UpdateChecksum(handle);

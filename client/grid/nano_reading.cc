@@ -1,5 +1,3 @@
-#include <array>
-#include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -7,8 +5,7 @@
 #include <system_error>
 
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_split.h"
-#include "client/grid/nano_names.h"
+#include "client/grid/nano_facts.h"
 #include "latvox/grid/voxel_grid.h"
 
 namespace latvox::client {
@@ -40,7 +37,10 @@ class NanoReader {
     if (!Get(grid) || !IsNanoMagic(grid.mMagic)) return Bad("has no grid behind its header");
     if (grid.mGridSize > size_ || begin > size_ - grid.mGridSize) return Bad("is cut short");
     GridFileInfo info = Describe(meta, grid);
-    if (grid.mBlindMetadataCount > 0) ReadText(begin, grid, info);
+    info.metadata = NanoMetadata(grid, [&](uint64_t at, void* to, uint64_t bytes) {
+      file_.seekg(static_cast<std::streamoff>(begin + at));
+      return file_.read(static_cast<char*>(to), static_cast<std::streamsize>(bytes)).good();
+    });
     return info;
   }
 
@@ -59,11 +59,7 @@ class NanoReader {
     GridFileInfo info;
     info.name.assign(grid.mGridName, strnlen(grid.mGridName, sizeof(grid.mGridName)));
     info.value_type = grid.mGridType < nanovdb::GridType::End ? NanoTypeName(grid.mGridType) : "?";
-    const double* const m = grid.mMap.mMatD;  // columns are the steps
-    info.transform.basis = {{m[0], m[3], m[6]}, {m[1], m[4], m[7]}, {m[2], m[5], m[8]}};
-    for (size_t n = 0; n < 3; ++n) info.transform.origin[n] = grid.mMap.mVecD[n];
-    info.transform.voxel_size = std::cbrt(std::abs(
-        m[0] * (m[4] * m[8] - m[5] * m[7]) - m[1] * (m[3] * m[8] - m[5] * m[6]) + m[2] * (m[3] * m[7] - m[4] * m[6])));
+    info.transform = NanoTransform(grid);
     info.active_voxels = meta.voxelCount;
     if (meta.voxelCount == 0) return info;
     IndexBox& box = info.active_box.emplace();
@@ -73,25 +69,6 @@ class NanoReader {
       box.max[static_cast<size_t>(n)] = high + (high < std::numeric_limits<int32_t>::max());
     }
     return info;
-  }
-
-  // Reads our lines "name = value". Other programs' blind data have none.
-  void ReadText(uint64_t begin, const nanovdb::GridData& grid, GridFileInfo& info) {
-    nanovdb::GridBlindMetaData blind;
-    const auto is_within = [this](int64_t offset) { return offset >= 0 && static_cast<uint64_t>(offset) <= size_; };
-    if (!is_within(grid.mBlindMetadataOffset)) return;
-    const std::streamoff at = static_cast<std::streamoff>(begin) + grid.mBlindMetadataOffset;
-    file_.seekg(at);
-    if (!Get(blind) || BlindBytes(blind) > kMostText || strncmp(blind.mName, "latvox", sizeof(blind.mName)) != 0)
-      return;
-    if (!is_within(BlindOffset(blind))) return;
-    std::string text(BlindBytes(blind), '\0');
-    file_.seekg(at + BlindOffset(blind));
-    if (!file_.read(text.data(), static_cast<std::streamsize>(text.size()))) return;
-    for (const absl::string_view line : absl::StrSplit(text, '\n', absl::SkipEmpty())) {
-      const std::pair<std::string, std::string> field = absl::StrSplit(line, absl::MaxSplits(" = ", 1));
-      info.metadata.push_back(field);
-    }
   }
 
   const std::string path_;

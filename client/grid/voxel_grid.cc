@@ -11,6 +11,7 @@
 #include "client/grid/grid_metadata.h"
 #include "client/grid/grid_reading.h"
 #include "client/grid/grid_stream.h"
+#include "client/grid/metadata_types.h"
 #include "client/grid/nano_file.h"
 #include "client/grid/open_file.h"
 #include "client/grid/request_metadata.h"
@@ -85,6 +86,10 @@ void VoxelGrid::SetRequest(const VoxelizeRequest& request, const MeshNote& note)
 void VoxelGrid::SetCertificate(const Certificate& certificate) { Describe(certificate, *content_->grid); }
 
 void VoxelGrid::SetWarnings(const std::vector<Warning>& warnings) { DescribeWarnings(warnings, *content_->grid); }
+
+void VoxelGrid::SetMetadata(const std::vector<std::pair<std::string, std::string>>& metadata) {
+  InsertTexts(metadata, *content_->grid);
+}
 
 uint64_t VoxelGrid::CountActiveVoxels() const { return content_->grid->activeVoxelCount(); }
 

@@ -317,13 +317,13 @@ class Science(Case):
     def test_convert_refuses_what_a_format_cannot_hold(self):
         self.write(BUNNY, [".vdb"], "--resolution", "12", "--lattice", "bcc", "--fields", "part,distance")
         for options, code, says in (
-            (["-o", "a.mha"], 3, "a.mha: cannot hold part,distance; .csv .npy .npz .ply .vti .vtu .cells.vtu .h5 can, and --fields selects some"),
+            (["-o", "a.mha"], 3, "a.mha: cannot hold part,distance; .vdb .nvdb .csv .npy .npz .ply .png .html .vti .vtu .cells.vtu .h5 can, and --fields selects some"),
             (["-o", "b.npy", "--npy", "dense"], 3, "cannot hold part,distance"),
             (["-o", "b.csv", "-o", "a.vti"], 3, "a.vti: the format holds boxes along the axes only"),
             (["-o", "b.csv", "--fields", "color"], 3, "a.vdb: has no field color"),
             (["-o", "b.csv", "--fields", "links"], 2, "links"),
             (["-o", "b.csv", "--pad", "1"], 2, "--pad: needs an output with a shape"),
-            (["-o", "b.vdb"], 2, '".vdb" is not one of'),
+            (["-o", "b.links.csv"], 2, '".links.csv" is not one of .vdb .nvdb .csv'),
             (["-o", "b.nii", "--fields", "part", "--dims", "3,99,99"], 3, "b.nii: --dims: 3 along i is less than"),
         ):  # fmt: skip
             before = sorted(self.dir.iterdir())

@@ -1,6 +1,7 @@
 #include "client/tool/cli/convert_command.h"
 
 #include <algorithm>
+#include <iterator>
 #include <memory>
 #include <utility>
 
@@ -10,7 +11,9 @@
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
 #include "client/tool/cli/common_options.h"
+#include "client/tool/cli/file_metadata.h"
 #include "client/tool/confined/foreign_grid.h"
+#include "client/tool/view/page.h"
 #include "latvox/grid/carried_names.h"
 #include "latvox/grid/grid_content.h"
 
@@ -18,14 +21,12 @@ namespace latvox::client {
 namespace {
 
 constexpr char kNone[] = "none";
+constexpr const char* kCutOut[] = {"latvox_region", "latvox_bounds", "latvox_shard"};
 
-// Those that need neither the request, links nor a picture's options: latvox render, slice and view make pictures and
-// pages.
+// Grids hold no links.
 std::vector<std::string> Extensions() {
   std::vector<std::string> extensions = OutputExtensions();
-  std::erase_if(extensions, [](const std::string& each) {
-    return each == ".vdb" || each == ".nvdb" || each == ".png" || each == ".html" || absl::StartsWith(each, ".links");
-  });
+  std::erase_if(extensions, [](const std::string& each) { return absl::StartsWith(each, ".links"); });
   return extensions;
 }
 
@@ -60,8 +61,26 @@ absl::Status Select(const std::vector<Field>& fields, const std::string& path, G
   return absl::OkStatus();
 }
 
-absl::StatusOr<std::unique_ptr<Output>> Open(const std::string& path, const std::vector<Field>& fields,
+// Returns the request as far as outputs ask for it.
+VoxelizeRequest RequestOf(const GridContent& content, const std::vector<Field>& fields) {
+  const GridFileInfo& info = content.file.info;
+  VoxelizeRequest request;
+  request.fields = fields;
+  if (!content.distances || (!content.is_band && MetadatumOf(info, "latvox_set") != NameOf(VoxelSet(Band())))) {
+    return request;
+  }
+  request.set = Band{.width = content.distances->most, .in_voxels = false};
+  request.signed_distance = content.distances->is_signed;
+  const auto is_cut = [&info](const char* name) { return !MetadatumOf(info, name).empty(); };
+  const bool whole = content.is_band ? MetadatumOf(info, "class") == "level set"
+                                     : std::none_of(std::begin(kCutOut), std::end(kCutOut), is_cut);
+  if (!whole) request.region = info.active_box.value_or(IndexBox());  // its band has no inside: see DistanceGrid
+  return request;
+}
+
+absl::StatusOr<std::unique_ptr<Output>> Open(const std::string& path, const VoxelizeRequest& request,
                                              const OutputOptions& options) {
+  const std::vector<Field>& fields = request.fields;
   std::vector<std::string> able = ExtensionsFor(fields);
   const bool fits = !options.dense_npy || !HasExtension(path, {".npy"}) || FitsOneArray(fields);
   if (!HasExtension(path, able) || !fits) {
@@ -70,29 +89,30 @@ absl::StatusOr<std::unique_ptr<Output>> Open(const std::string& path, const std:
     return absl::InvalidArgumentError(absl::StrCat(path, ": cannot hold ", Join(fields), "; ", absl::StrJoin(able, " "),
                                                    " can, and --fields selects some"));
   }
-  VoxelizeRequest request;
-  request.fields = fields;
   return OpenOutput(path, request, options);
 }
 
-std::string Metadatum(const GridFileInfo& info, absl::string_view name) {
-  const auto is_it = [name](const auto& entry) { return entry.first == name; };
-  const auto found = std::find_if(info.metadata.begin(), info.metadata.end(), is_it);
-  return found == info.metadata.end() ? "" : found->second;
+// Returns whether the metadatum is about this field alone.
+bool IsOf(const FieldFacts& facts, absl::string_view name) {
+  if (name == absl::StrCat("latvox_", facts.name, "_digest") || name == absl::StrCat("latvox_", facts.name, "_names"))
+    return true;
+  return name == (facts.is_of_labels()              ? "latvox_fraction_labels"
+                  : facts.field == Field::kDistance ? "latvox_signed_distance"
+                                                    : "");
 }
 
-// Returns the metadata about the mesh and the voxels with these fields.
-MetadataPairs MetadataOf(const GridFileInfo& info, const std::vector<Field>& fields) {
+// Returns the metadata about the mesh and the voxels with these fields. `all`: the file has no others.
+MetadataPairs MetadataWith(const std::vector<Field>& fields, bool all, const GridFileInfo& info) {
   MetadataPairs metadata;
-  const auto is_left_out = [&fields](const std::string& name) {
-    if (name == "latvox_basis" || name == "latvox_origin" || name == "latvox_voxel_size") return true;  // of any .h5
+  const auto is_left_out = [&](const std::string& name) {
+    if (name == "latvox_fields") return fields.empty();
     return std::any_of(kFields.begin(), kFields.end(), [&](const FieldFacts& facts) {
-      return name == absl::StrCat("latvox_", facts.name, "_digest") && !CarriesField(fields, facts.field);
+      return !CarriesField(fields, facts.field) && IsOf(facts, name);
     });
   };
   for (const auto& [name, text] : info.metadata) {
     if (!absl::StartsWith(name, "latvox_") || is_left_out(name)) continue;
-    metadata.emplace_back(name, name == "latvox_fields" ? Join(fields) : text);
+    metadata.emplace_back(name, name == "latvox_fields" && !all ? Join(fields) : text);
   }
   return metadata;
 }
@@ -102,11 +122,11 @@ Summary SummaryOf(const GridFileInfo& info, uint64_t bricks) {
   Summary summary;
   summary.voxels = info.active_voxels;
   summary.bricks = bricks;
-  summary.certificate.lattice = Metadatum(info, "latvox_lattice");
-  summary.certificate.set = Metadatum(info, "latvox_set");
-  summary.certificate.digest = Metadatum(info, "latvox_digest");
-  summary.certificate.version = Metadatum(info, "latvox_version");
-  if (!absl::SimpleAtoi(Metadatum(info, "latvox_separability"), &summary.certificate.separability)) {
+  summary.certificate.lattice = MetadatumOf(info, "latvox_lattice");
+  summary.certificate.set = MetadatumOf(info, "latvox_set");
+  summary.certificate.digest = MetadatumOf(info, "latvox_digest");
+  summary.certificate.version = MetadatumOf(info, "latvox_version");
+  if (!absl::SimpleAtoi(MetadatumOf(info, "latvox_separability"), &summary.certificate.separability)) {
     summary.certificate.separability = 0;
   }
   return summary;
@@ -115,7 +135,11 @@ Summary SummaryOf(const GridFileInfo& info, uint64_t bricks) {
 }  // namespace
 
 void AddConvertOptions(CommandParser& command, ConvertWords& words) {
-  command.Add({{.names = "file", .target = &words.input, .help = "OpenVDB file", .value = "IN.vdb", .required = true},
+  command.Add({{.names = "file",
+                .target = &words.input,
+                .help = "OpenVDB or NanoVDB file",
+                .value = "IN.vdb",
+                .required = true},
                OutputRow(Extensions(), words.outputs, /*several=*/true),
                {.names = "--fields",
                 .target = &words.fields,
@@ -154,10 +178,13 @@ absl::StatusOr<std::string> RunConvert(const ConvertOptions& options, const Canc
   accepted.grid = info.transform;
   accepted.index_box = info.active_box;
   OutputOptions output_options = options.output_options;
-  output_options.metadata = MetadataOf(info, fields);
+  output_options.metadata = MetadataWith(fields, !options.fields, info);
+  output_options.picture_up = UpOf(info);
+  output_options.make_page = ViewPage;
+  const VoxelizeRequest request = RequestOf(*content, fields);
   std::vector<std::unique_ptr<Output>> outputs;
   for (const std::string& path : options.outputs) {
-    auto output = Open(path, fields, output_options);
+    auto output = Open(path, request, output_options);
     if (!output.ok()) return output.status();
     (*output)->SetNames(ReadCarriedNames(info));
     if (auto status = (*output)->Begin(accepted); !status.ok()) return status;

@@ -193,7 +193,7 @@ class Program {
     Add("view", "Write a web page that shows a .vdb file's voxels", &AddViewOptions, view_, checked,
         [](const auto* words, Cancel cancel) { return Print(RunView(*words, cancel)); });
     Add(
-        "convert", "Write a .vdb file's voxels and fields in other formats", &AddConvertOptions, convert_,
+        "convert", "Write the voxels and fields of a .vdb or .nvdb file in other formats", &AddConvertOptions, convert_,
         [](const auto& words) { return Interpret(words); },
         [](const auto& options, Cancel cancel) { return Print(RunConvert(options, cancel)); });
     Add("compare", "Compare two .vdb files", &AddCompareOptions, compare_, checked,

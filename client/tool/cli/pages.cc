@@ -49,7 +49,9 @@ constexpr std::pair<const char*, const char*> kExamples[] = {
     {"convert",
      "Examples:\n"
      "  latvox convert bunny.vdb -o bunny.nrrd -o bunny.vtu\n"
-     "  latvox convert band.vdb --pad 2 -o band.nii.gz -o band.vti\n"},
+     "  latvox convert band.vdb --pad 2 -o band.nii.gz -o band.vti\n"
+     "  latvox convert band.vdb -o band.nvdb -o band.png -o band.html\n"
+     "  latvox convert band.nvdb -o again.vdb\n"},
     {"compare",
      "Exit status: 0 equal; 1 different; otherwise as for all commands\n"
      "\n"

@@ -144,7 +144,11 @@ absl::StatusOr<CutAt> CutOf(const SliceWords& words, const GridFileInfo& info) {
 }  // namespace
 
 void AddSliceOptions(CommandParser& command, SliceWords& words) {
-  command.Add({{.names = "file", .target = &words.input, .help = "OpenVDB file", .value = "IN.vdb", .required = true},
+  command.Add({{.names = "file",
+                .target = &words.input,
+                .help = "OpenVDB or NanoVDB file",
+                .value = "IN.vdb",
+                .required = true},
                OutputRow({".png", ".csv"}, words.outputs, /*several=*/true),
                {.names = "--axis",
                 .target = &words.axis,

@@ -1,33 +1,22 @@
 #include "client/tool/cli/view_command.h"
 
-#include <algorithm>
 #include <filesystem>
 
 #include "absl/strings/str_cat.h"
-#include "client/json/json.h"
 #include "client/tool/cli/common_options.h"
+#include "client/tool/cli/file_metadata.h"
 #include "client/tool/confined/foreign_grid.h"
 #include "client/tool/output/atomic_file.h"
 #include "client/tool/view/page.h"
 #include "latvox/grid/grid_content.h"
 
 namespace latvox::client {
-namespace {
-
-// `up_axis` in the request names the axis of the mesh that became z. It is missing from files of other programs and of
-// meshes that were not turned.
-UpAxis UpOf(const GridFileInfo& info) {
-  const auto is_request = [](const auto& entry) { return entry.first == "latvox_request"; };
-  const auto found = std::find_if(info.metadata.begin(), info.metadata.end(), is_request);
-  if (found == info.metadata.end()) return UpAxis::kY;
-  const auto request = SortedJson::parse(found->second, nullptr, /*allow_exceptions=*/false);
-  return request.contains("up_axis") ? UpAxis::kZ : UpAxis::kY;
-}
-
-}  // namespace
-
 void AddViewOptions(CommandParser& command, ViewWords& words) {
-  command.Add({{.names = "file", .target = &words.input, .help = "OpenVDB file", .value = "IN.vdb", .required = true},
+  command.Add({{.names = "file",
+                .target = &words.input,
+                .help = "OpenVDB or NanoVDB file",
+                .value = "IN.vdb",
+                .required = true},
                OutputRow({".html"}, words.outputs, /*several=*/false),
                {.names = "--view-up",
                 .target = &words.view_up,

@@ -19,6 +19,11 @@
 namespace latvox::client {
 namespace {
 
+// The root's own attributes tell the place.
+bool IsOfPlace(const std::string& name) {
+  return name == "latvox_basis" || name == "latvox_origin" || name == "latvox_voxel_size";
+}
+
 class Hdf5Output final : public Output {
  public:
   Hdf5Output(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request, const OutputOptions& options)
@@ -169,7 +174,9 @@ class Hdf5Output final : public Output {
                 root.Write("origin", grid_.origin);
     if (const auto& box = box_.box()) good = good && root.Write("index_box", std::array{box->min, box->max});
     const auto texts = metadata_ ? *metadata_ : vdb_->Texts(request_, note_, names_, summary);
-    for (const auto& [name, text] : texts) good = good && root.Write(name, text);
+    for (const auto& [name, text] : texts) {
+      if (!IsOfPlace(name)) good = good && root.Write(name, text);
+    }
     return good;
   }
 

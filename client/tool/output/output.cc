@@ -36,12 +36,13 @@ class GridOutput final : public Output {
  public:
   using NewGrid = std::function<Vdb::NewGrid(const Vdb&, const Accepted&)>;
 
-  GridOutput(std::unique_ptr<AtomicFile> file, VdbFormat format, VoxelizeRequest request, MeshNote note,
-             NewGrid new_grid)
+  GridOutput(std::unique_ptr<AtomicFile> file, VdbFormat format, const VoxelizeRequest& request,
+             const OutputOptions& options, NewGrid new_grid)
       : file_(std::move(file)),
         format_(format),
-        request_(std::move(request)),
-        note_(std::move(note)),
+        request_(request),
+        note_(options.note),
+        metadata_(options.metadata),
         new_grid_(std::move(new_grid)) {}
 
   void SetNames(const CarriedNames& names) override { names_ = names; }
@@ -58,7 +59,11 @@ class GridOutput final : public Output {
   absl::Status Add(const BrickBatch& batch) override { return grid_->Add(batch); }
   absl::Status Finish(const Summary& summary) override {
     if (!note_.quantization) note_.quantization = static_cast<int>(summary.certificate.quantization_bits);
-    grid_->Describe(request_, note_, names_, summary);
+    if (metadata_) {
+      grid_->SetMetadata(*metadata_);
+    } else {
+      grid_->Describe(request_, note_, names_, summary);
+    }
     if (auto status = grid_->Write(file_->temporary(), format_); !status.ok()) return file_->Named(status);
     return file_->Sync();
   }
@@ -76,6 +81,7 @@ class GridOutput final : public Output {
   const VdbFormat format_;
   VoxelizeRequest request_;
   MeshNote note_;
+  const std::optional<MetadataPairs> metadata_;
   const NewGrid new_grid_;
   CarriedNames names_;
   std::unique_ptr<VdbGrid> grid_;
@@ -102,7 +108,7 @@ GridOutput::NewGrid NewGridFor(const VoxelizeRequest& request) {
 template <VdbFormat format>
 std::unique_ptr<Output> NewVdbOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request,
                                      const OutputOptions& options) {
-  return std::make_unique<GridOutput>(std::move(file), format, request, options.note, NewGridFor(request));
+  return std::make_unique<GridOutput>(std::move(file), format, request, options, NewGridFor(request));
 }
 
 std::unique_ptr<Output> NewPngOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request,

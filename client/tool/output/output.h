@@ -50,7 +50,7 @@ struct OutputOptions {
   UpAxis picture_up = UpAxis::kY;                        // axis of the world that points up in a .png or .html
   MeshNote note = {};                                    // of the mesh, for the metadata of grids
   MakePage make_page = nullptr;                          // of a .html, which needs it
-  std::optional<MetadataPairs> metadata = std::nullopt;  // of a .h5, in place of request, note and summary
+  std::optional<MetadataPairs> metadata = std::nullopt;  // of grids, in place of request, note and summary
 };
 
 // Returns the extension, with the dot, in lower case. ".nii.gz", ".links.csv" and ".cells.vtu" are

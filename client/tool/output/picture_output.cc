@@ -13,7 +13,8 @@
 namespace latvox::client {
 namespace {
 
-// Returns the part of the mesh's box that can hold voxels: with a region, it is smaller than the mesh.
+// Returns the part of the mesh's box that can hold voxels: with a region, it is smaller than the mesh. Voxels of a file
+// have no mesh.
 std::pair<Vec3d, Vec3d> Visible(const Accepted& accepted) {
   Vec3d low = accepted.mesh.min, high = accepted.mesh.max;
   if (!accepted.index_box) return {low, high};
@@ -28,6 +29,7 @@ std::pair<Vec3d, Vec3d> Visible(const Accepted& accepted) {
       box_high[m] = corner == 0 ? world[m] : std::max(box_high[m], world[m]);
     }
   }
+  if (accepted.mesh.triangles == 0) return {box_low, box_high};
   for (size_t m = 0; m < 3; ++m) {
     low[m] = std::max(low[m], box_low[m]);
     high[m] = std::max(low[m], std::min(high[m], box_high[m]));

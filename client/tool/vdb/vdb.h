@@ -31,6 +31,9 @@ class VdbGrid {
   virtual void Describe(const VoxelizeRequest& request, const MeshNote& note, const CarriedNames& names,
                         const Summary& summary) = 0;
 
+  // Writes metadata that were read from a file, in place of all these.
+  virtual void SetMetadata(const std::vector<std::pair<std::string, std::string>>& metadata) = 0;
+
   // Writes the file to `path`. Errors as those of the grid's own function, Write or WriteNano.
   virtual absl::Status Write(const std::string& path, VdbFormat format) = 0;
 };

@@ -29,6 +29,9 @@ class AnyGrid final : public VdbGrid {
     if constexpr (std::is_same_v<Grid, FieldGrids>) grid_.SetNames(names);
     grid_.SetWarnings(summary.warnings);
   }
+  void SetMetadata(const std::vector<std::pair<std::string, std::string>>& metadata) override {
+    grid_.SetMetadata(metadata);
+  }
   absl::Status Write(const std::string& path, VdbFormat format) override {
     return format == VdbFormat::kNanoVdb ? grid_.WriteNano(path) : grid_.Write(path);
   }

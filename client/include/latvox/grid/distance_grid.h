@@ -12,6 +12,8 @@
 
 #include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "absl/status/status.h"
 #include "latvox/export.h"
@@ -44,6 +46,10 @@ class LATVOX_EXPORT DistanceGrid {
   // Writes the warnings into the grid's metadata: latvox_warnings, a JSON array of objects with code, message and
   // element. Without warnings, writes nothing.
   void SetWarnings(const std::vector<Warning>& warnings);
+
+  // Writes the metadata latvox_... of a file that was read, with their types, over those of the functions above.
+  // Ignores others.
+  void SetMetadata(const std::vector<std::pair<std::string, std::string>>& metadata);
 
   // Writes a .vdb file to `path`, replacing an existing file; not atomic. Errors: UNKNOWN, with the path and OpenVDB's
   // message.

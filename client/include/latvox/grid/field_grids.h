@@ -16,6 +16,7 @@
 
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "absl/status/status.h"
@@ -55,6 +56,10 @@ class LATVOX_EXPORT FieldGrids {
   // Writes the warnings into the grids' metadata: latvox_warnings, a JSON array of objects with code, message and
   // element. Without warnings, writes nothing.
   void SetWarnings(const std::vector<Warning>& warnings);
+
+  // Writes the metadata latvox_... of a file that was read, with their types, over those of the functions above.
+  // Ignores others.
+  void SetMetadata(const std::vector<std::pair<std::string, std::string>>& metadata);
 
   // Writes a .vdb file of all grids to `path`, replacing an existing file; not atomic. Errors: UNKNOWN, with the path
   // and OpenVDB's message.

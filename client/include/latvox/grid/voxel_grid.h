@@ -52,6 +52,10 @@ class LATVOX_EXPORT VoxelGrid {
   // element. Without warnings, writes nothing.
   void SetWarnings(const std::vector<Warning>& warnings);
 
+  // Writes the metadata latvox_... of a file that was read, with their types, over those of the functions above.
+  // Ignores others.
+  void SetMetadata(const std::vector<std::pair<std::string, std::string>>& metadata);
+
   // Returns the number of voxels added. Visits each leaf.
   uint64_t CountActiveVoxels() const;
 
@@ -72,7 +76,7 @@ class LATVOX_EXPORT VoxelGrid {
 
 // Functions that read a .vdb file's voxels do so in the calling process, by OpenVDB. It trusts the file: a damaged one
 // can crash the process, or take all its memory, before there is an error. `latvox` reads files in a process of their
-// own.
+// own. The functions read .nvdb files as well: uncompressed, and with grids of bool, float, int32 or three floats.
 
 // Facts about a .vdb file: about its grid "voxels", or else its first grid.
 struct GridFileInfo {

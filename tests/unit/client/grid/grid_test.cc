@@ -226,11 +226,59 @@ TEST_F(Grid, EveryFieldIsReadBackAsItWasWritten) {
   grids.SetCertificate({.fields = {{Field::kLabelFractions, ""}}, .fraction_labels = kLabels});
   ASSERT_TRUE(grids.Add({{&brick, 1}, 1, fields}).ok());
   ASSERT_TRUE(grids.Write(Path("f.vdb")).ok());
-  const auto content = ReadGridContent(Path("f.vdb"));
-  ASSERT_TRUE(content.ok()) << content.status();
-  EXPECT_EQ(content->fields, fields);
-  EXPECT_EQ(content->distances, (DistanceRange{0.5, true}));
-  EXPECT_FALSE(content->is_band);
+  ASSERT_TRUE(grids.WriteNano(Path("f.nvdb")).ok());
+  for (const char* name : {"f.vdb", "f.nvdb"}) {
+    const auto content = ReadGridContent(Path(name));
+    ASSERT_TRUE(content.ok()) << content.status();
+    EXPECT_EQ(content->fields, fields);
+    EXPECT_EQ(content->distances, (DistanceRange{0.5, true}));
+    EXPECT_EQ(content->file.info.transform.basis, kSkew.basis);
+    EXPECT_EQ(content->file.info.transform.origin, kSkew.origin);
+    EXPECT_FALSE(content->is_band);
+  }
+}
+
+// The bytes have the types, too.
+TEST_F(Grid, MetadataThatWereReadAreWrittenWithTheirTypes) {
+  const Brick brick{{0, 0, -1}, {3}};
+  const std::vector<FieldValues> fields{ValuesOf<float>(Field::kDistance, {0.25F, -0.125F})};
+  Certificate certificate;
+  certificate.separability = 2;
+  certificate.minimal = true;
+  certificate.snap_error_max = 0.1;
+  certificate.lattice = "1";  // a text, in spite of its looks
+  certificate.solid = SolidFacts{"parity", 5'000'000'000};
+  certificate.walk.emplace().cavities = 3;
+  certificate.band = BandFacts{0.25};
+  certificate.fields = {{Field::kDistance, "0123"}};
+  MeshNote note;
+  note.alpha_cutoff = 0.5;
+  note.facts.emplace().triangles = 12;
+  FieldGrids grids(kSkew, {Field::kDistance});
+  ASSERT_TRUE(grids.Add({{&brick, 1}, 1, fields}).ok());
+  grids.SetRequest({}, note);
+  grids.SetCertificate(certificate);
+  ASSERT_TRUE(grids.Write(Path("a.vdb")).ok());
+  ASSERT_TRUE(grids.WriteNano(Path("a.nvdb")).ok());
+  for (const char* name : {"a.vdb", "a.nvdb"}) {
+    const auto content = ReadGridContent(Path(name));
+    ASSERT_TRUE(content.ok()) << content.status();
+    FieldGrids again(content->file.info.transform, {Field::kDistance});
+    ASSERT_TRUE(again.Add(content->Batch()).ok());
+    again.SetMetadata(content->file.info.metadata);
+    ASSERT_TRUE(again.Write(Path("b.vdb")).ok());
+    ASSERT_TRUE(again.WriteNano(Path("b.nvdb")).ok());
+    EXPECT_EQ(Read("b.vdb"), Read("a.vdb")) << name;
+    EXPECT_EQ(Read("b.nvdb"), Read("a.nvdb")) << name;
+  }
+}
+
+TEST_F(Grid, MetadataThatAreNoValuesOfTheirTypeStayTexts) {
+  VoxelGrid grid(kBcc);
+  grid.SetMetadata({{"latvox_minimal", "perhaps"}, {"latvox_other", "1"}, {"name", "mine"}});
+  EXPECT_EQ(grid.content().grid->getMetadata<openvdb::StringMetadata>("latvox_minimal")->value(), "perhaps");
+  EXPECT_EQ(grid.content().grid->getMetadata<openvdb::StringMetadata>("latvox_other")->value(), "1");
+  EXPECT_EQ(grid.content().grid->getName(), "voxels");
 }
 
 TEST_F(Grid, AGridWithoutACertificateHasNoDigest) {
@@ -248,6 +296,13 @@ TEST_F(Grid, AFileThatIsNoGridFileIsAnErrorThatNamesIt) {
     EXPECT_EQ(info.status().code(), absl::StatusCode::kInvalidArgument);
     EXPECT_THAT(std::string(info.status().message()), HasSubstr("bad.vdb"));
     EXPECT_EQ(ReadGridFileDigest(Path("bad.vdb")).status().code(), absl::StatusCode::kInvalidArgument);
+  }
+  ASSERT_TRUE(VoxelGrid(kBcc).WriteNano(Path("whole.nvdb")).ok());
+  const std::string whole = Read("whole.nvdb");
+  for (const size_t bytes : {size_t{8}, size_t{100}, whole.size() / 2, whole.size() - 1}) {
+    const auto content = ReadGridContent(Write("bad.nvdb", whole.substr(0, bytes)));
+    EXPECT_EQ(content.status().code(), absl::StatusCode::kInvalidArgument) << bytes;
+    EXPECT_THAT(std::string(content.status().message()), HasSubstr("bad.nvdb")) << bytes;
   }
 }
 

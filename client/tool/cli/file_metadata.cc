@@ -1,0 +1,21 @@
+#include "client/tool/cli/file_metadata.h"
+
+#include <algorithm>
+
+#include "client/json/json.h"
+
+namespace latvox::client {
+
+std::string MetadatumOf(const GridFileInfo& info, absl::string_view name) {
+  const auto is_it = [name](const auto& entry) { return entry.first == name; };
+  const auto found = std::find_if(info.metadata.begin(), info.metadata.end(), is_it);
+  return found == info.metadata.end() ? "" : found->second;
+}
+
+// `up_axis` in the request names the axis of the mesh that became z.
+UpAxis UpOf(const GridFileInfo& info) {
+  const auto request = SortedJson::parse(MetadatumOf(info, "latvox_request"), nullptr, /*allow_exceptions=*/false);
+  return request.contains("up_axis") ? UpAxis::kZ : UpAxis::kY;
+}
+
+}  // namespace latvox::client

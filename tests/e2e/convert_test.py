@@ -1,0 +1,170 @@
+"""`latvox convert` writes grids, pictures and pages as `latvox voxelize` does, from OpenVDB's and NanoVDB's files."""
+
+import json
+import random
+import subprocess
+import unittest
+
+import pyopenvdb
+
+from harness import BUNNY, PATIENCE, Case, latvox
+
+SPIDER = "/usr/share/assimp/models/OBJ/spider.obj"  # of assimp-testmodels
+FIELDS = "part,material,color,distance,triangle,point,normal"
+JOBS = {
+    "plain": [BUNNY, "--lattice", "bcc", "--resolution", "40", "--scale", "3.1"],
+    "skewed": [BUNNY, "--basis", "0.1,0,0.01,0.02,0.12,0,0,0.03,0.15", "--origin", "0.5,-3,1", "--no-minimal"],
+    "fields": [SPIDER, "--lattice", "fcc", "--resolution", "24", "--fields", FIELDS],
+    "fractions": [BUNNY, "--resolution", "16", "--set", "solid", "--fields", "fraction:4"],
+    "level set": [BUNNY, "--resolution", "32", "--band", "3v", "--signed", "--up-axis", "x"],
+    "thin band": [BUNNY, "--lattice", "hexagonal", "--resolution", "24", "--band", "0.01"],
+    "part of a band": [BUNNY, "--resolution", "32", "--band", "3v", "--signed", "--shard", "1/3"],
+    "band with fields": [BUNNY, "--resolution", "32", "--band", "2v", "--fields", "distance,normal"],
+    "nothing": [BUNNY, "--resolution", "32", "--region", "900,0,0,901,1,1"],
+}
+
+
+class Convert(Case):
+    def write(self, job, *names):
+        return self.voxelize(*job, *(word for name in names[1:] for word in ("-o", self.dir / name)), out=names[0])
+
+    def convert(self, name, *outputs, options=()):
+        words = [word for output in outputs for word in ("-o", self.dir / output)]
+        done = latvox("convert", self.dir / name, *words, *options)
+        self.assertEqual(done.returncode, 0, done.stderr)
+
+    def equal(self, a, b, msg=None):
+        """Compares bytes, without printing them."""
+        self.assertTrue((self.dir / a).read_bytes() == (self.dir / b).read_bytes(), f"{a} is not {b}: {msg}")
+
+    def info(self, name):
+        return json.loads(latvox("info", "--json", self.dir / name).stdout)
+
+    def test_grids_are_those_of_voxelize_byte_for_byte(self):
+        (self.dir / "again").mkdir()
+        for name, job in JOBS.items():
+            with self.subTest(name):
+                summary = self.write(job, "a.vdb", "a.nvdb")
+                for source in ("a.vdb", "a.nvdb"):
+                    self.convert(source, "again/a.vdb", "again/a.nvdb")
+                    self.equal("again/a.vdb", "a.vdb", source)
+                    self.equal("again/a.nvdb", "a.nvdb", source)
+                self.assertEqual(self.info("again/a.vdb")["metadata"]["latvox_digest"], summary["digest"])
+                self.assertEqual(latvox("compare", self.dir / "a.vdb", self.dir / "again/a.nvdb").stdout.splitlines()[-1], "equal")
+
+    def test_pictures_and_pages_are_those_of_voxelize(self):
+        (self.dir / "again").mkdir()
+        for name in ("plain", "fields", "level set", "band with fields"):
+            with self.subTest(name):
+                self.write(JOBS[name], "a.vdb", "a.nvdb", "a.png", "a.html")
+                for source in ("a.vdb", "a.nvdb"):
+                    self.convert(source, "again/a.png", "again/a.html")
+                    self.equal("again/a.png", "a.png", source)
+                    self.equal("again/a.html", "a.html", source)
+        job = [*JOBS["fields"][:-1], "color"]
+        self.write(job, "a.vdb", "a.glb")
+        self.convert("a.vdb", "again/a.glb")
+        self.assertEqual(self.info("again/a.glb"), self.info("a.glb"))  # its triangles have another order
+
+    def test_other_commands_read_both(self):
+        self.write(JOBS["fields"], "a.vdb", "a.nvdb")
+        for command, output in ("render", "png"), ("slice", "csv"), ("view", "html"):
+            options = ["--axis", "k", "--index", "5"] if command == "slice" else []
+            for source in ("vdb", "nvdb"):
+                done = latvox(command, self.dir / f"a.{source}", "-o", self.dir / f"{source}.{output}", *options)
+                self.assertEqual(done.returncode, 0, done.stderr)
+            pages = [(self.dir / f"{source}.{output}").read_bytes().replace(b"a.nvdb", b"a.vdb") for source in ("vdb", "nvdb")]
+            self.assertTrue(pages[0] == pages[1], command)
+
+    def test_some_fields_keep_their_metadata(self):
+        self.write(JOBS["fields"], "a.vdb")
+        whole = self.info("a.vdb")["metadata"]
+        for fields, names in ("part,color", {"part", "color"}), ("none", set()):
+            self.convert("a.vdb", "b.nvdb", options=["--fields", fields])
+            metadata = self.info("b.nvdb")["metadata"]
+            self.assertEqual(metadata.pop("latvox_fields", "none"), fields)
+            kept = {name: value for name, value in whole.items() if name.startswith("latvox_") and name != "latvox_fields"}
+            for field in set(FIELDS.split(",")) - names:
+                for suffix in ("digest", "names"):
+                    kept.pop(f"latvox_{field}_{suffix}", None)
+            if "distance" not in names:
+                kept.pop("latvox_signed_distance")
+            self.assertEqual(metadata, kept)
+        self.convert("b.nvdb", "c.csv")
+        self.assertEqual((self.dir / "c.csv").read_text().splitlines()[0], "i,j,k,x,y,z")
+
+    def test_shards_can_be_merged_afterwards(self):
+        job = [BUNNY, "--resolution", "48", "--fields", "distance"]
+        self.write(job, "whole.vdb")
+        for n in range(3):
+            self.write([*job, "--shard", f"{n}/3"], f"{n}.nvdb")
+            self.convert(f"{n}.nvdb", f"{n}.vdb")
+        done = latvox("merge", *(self.dir / f"{n}.vdb" for n in range(3)), "-o", self.dir / "joined.vdb")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        done = latvox("compare", self.dir / "whole.vdb", self.dir / "joined.vdb", "--voxels")
+        self.assertEqual(done.stdout.splitlines()[-1], "equal")
+
+    def foreign(self, grid, name):
+        """Writes a grid as .vdb by OpenVDB, and as .nvdb by NanoVDB's own converter."""
+        pyopenvdb.write(str(self.dir / f"{name}.vdb"), [grid])
+        subprocess.run(["nanovdb_convert", "-f", self.dir / f"{name}.vdb", self.dir / f"{name}.nvdb"],
+                       capture_output=True, timeout=PATIENCE, check=True)  # fmt: skip
+
+    def test_grids_of_other_programs(self):
+        solid = pyopenvdb.BoolGrid(False)
+        solid.name = "mine"
+        solid.fill((-8, -8, -8), (9, 9, 9), True)  # with tiles
+        solid.transform = pyopenvdb.createLinearTransform([[2, 0, 0, 0], [0, 3, 0, 0], [1, 0, 4, 0], [5, 6, 7, 1]])
+        self.foreign(solid, "solid")
+        sphere = pyopenvdb.createLevelSetSphere(radius=5, voxelSize=0.5)
+        sphere.name = "distance"
+        self.foreign(sphere, "sphere")
+        for name, grid in ("solid", solid), ("sphere", sphere):
+            for extension in ("vdb", "nvdb"):
+                self.convert(f"{name}.{extension}", f"{extension}.vdb", f"{extension}.csv")
+                again = pyopenvdb.readAll(str(self.dir / f"{extension}.vdb"))[0][0]
+                self.assertEqual(again.activeVoxelCount(), grid.activeVoxelCount())
+                self.assertEqual(again.evalActiveVoxelBoundingBox(), grid.evalActiveVoxelBoundingBox())
+                self.assertEqual(again.gridClass, grid.gridClass)
+                self.assertEqual([again.transform.indexToWorld(p) for p in ((0, 0, 0), (1, 2, 3))],
+                                 [grid.transform.indexToWorld(p) for p in ((0, 0, 0), (1, 2, 3))])  # fmt: skip
+            self.equal("nvdb.vdb", "vdb.vdb", name)
+            self.equal("nvdb.csv", "vdb.csv", name)
+        values = {v.min: v.value for v in sphere.citerOnValues()}
+        self.assertEqual({v.min: v.value for v in again.citerOnValues()}, values)
+
+    def test_grids_that_cannot_be_read(self):
+        density = pyopenvdb.FloatGrid()
+        density.name = "density"
+        density.fill((0, 0, 0), (3, 3, 3), 1)
+        self.foreign(density, "density")
+        for extension in ("vdb", "nvdb"):
+            done = latvox("convert", self.dir / f"density.{extension}", "-o", self.dir / "a.csv")
+            self.assertEqual(done.returncode, 3, done.stderr)
+            self.assertIn(f'density.{extension}: the grid "density" is a Tree_float_5_4_3, not a Tree_bool_5_4_3', done.stderr)
+        subprocess.run(["nanovdb_convert", "-f", "--fp8", self.dir / "density.vdb", self.dir / "packed.nvdb"],
+                       capture_output=True, timeout=PATIENCE, check=True)  # fmt: skip
+        done = latvox("convert", self.dir / "packed.nvdb", "-o", self.dir / "a.csv")
+        self.assertEqual(done.returncode, 3, done.stderr)
+        self.assertIn('packed.nvdb: is not a readable .nvdb file (the grid "density" is a Float8, neither', done.stderr)
+
+    def test_damaged_files_are_errors_or_other_files(self):
+        self.write(JOBS["plain"], "a.nvdb")
+        whole, chance = (self.dir / "a.nvdb").read_bytes(), random.Random(7)
+        for n in range(30):
+            bad = bytearray(whole if n % 3 else whole[: chance.randrange(len(whole))])
+            if n % 3 and bad:
+                bad[chance.randrange(min(len(bad), 4000) if n % 2 else len(bad))] ^= 1 << chance.randrange(8)
+            (self.dir / "bad.nvdb").write_bytes(bad)
+            done = latvox("convert", self.dir / "bad.nvdb", "-o", self.dir / "b.csv")
+            self.assertIn(done.returncode, (0, 3), (n, done.stderr))
+            if done.returncode == 3:
+                self.assertEqual(len(done.stderr.splitlines()), 1, done.stderr)
+                self.assertIn("bad.nvdb: ", done.stderr)
+                self.assertFalse((self.dir / "b.csv").exists())
+            else:
+                (self.dir / "b.csv").unlink()
+
+
+if __name__ == "__main__":
+    unittest.main()
