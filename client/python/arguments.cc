@@ -22,6 +22,7 @@ struct Parser {
   Parser() {
     words.shape.is_for_memory = true;
     AddRequestOptions(command, words);
+    command.Add({AllowHttpRow(words.options.remote.allow_http)});
     AddServerOptions(command, words.options.server);
   }
   VoxelizeWords words;
@@ -149,6 +150,7 @@ absl::StatusOr<VoxelizeOptions> ParseKeywords(const py::dict& keywords, const st
   }
   parser.command.Parse(std::move(words));
   parser.words.options.mesh.paths = paths;
+  NameRemoteFiles(parser.words.options);
   VoxelizeOptions options = InterpretRequest(parser.words);
   CheckMeshPaths(options.mesh, options.outputs);
   return options;

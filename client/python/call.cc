@@ -10,6 +10,7 @@
 #include "client/python/arguments.h"
 #include "client/python/mesh_arrays.h"
 #include "client/python/status.h"
+#include "client/tool/cli/remote_files.h"
 
 namespace latvox::client::python {
 namespace {
@@ -95,6 +96,8 @@ Call::Call(const Connection& connection, const py::object& mesh, const py::dict&
 absl::Status Call::Voxelize(Work& work) {
   const CallOptions call = MakeCallOptions(options_.server, work.cancellation());
   if (absl::Status status = Align(options_, work.cancellation()); !status.ok()) return status;
+  const auto files = RemoteFiles::Fetch(options_, call);
+  if (!files.ok()) return files.status();
   answer_->request = options_.request;
   answer_->output_options = options_.output_options;
   JobHooks hooks;
@@ -107,8 +110,10 @@ absl::Status Call::Voxelize(Work& work) {
     if (streams_) return std::make_unique<Receiver>(*this, work);
     return std::make_unique<VoxelsOutput>(answer_);
   };
-  const auto report = RunJob(options_, call, hooks);
-  if (!report.ok()) return report.status();
+  (*files)->Hook(hooks);
+  auto report = RunJob((*files)->local(), call, hooks);
+  if (!report.ok()) return (*files)->Named(report.status());
+  (*files)->Name(*report);
   answer_->report = ToJson(*report);
   return absl::OkStatus();
 }

@@ -8,6 +8,7 @@
 #include "client/python/arguments.h"
 #include "client/python/status.h"
 #include "client/python/work.h"
+#include "client/tool/cli/remote_files.h"
 #include "client/tool/output/box_shape.h"
 #include "client/tool/vdb/vdb.h"
 #include "latvox/dense.h"
@@ -171,31 +172,37 @@ py::tuple Dense(const Voxels& voxels, const std::optional<IndexBox>& box, const 
 
 namespace {
 
-absl::Status Write(const Voxels& voxels, const std::string& path, const OutputOptions& options) {
-  const auto output = OpenOutput(path, voxels.request, options);
+// Writes to the one output of the options.
+absl::Status Write(const Voxels& voxels, const VoxelizeOptions& options, const Cancellation& cancellation) {
+  const auto files = RemoteFiles::Fetch(options, MakeCallOptions(options.server, cancellation));
+  if (!files.ok()) return files.status();
+  const auto output = (*files)->Open(options.outputs.front());
   if (!output.ok()) return output.status();
   (*output)->SetNames(voxels.names);
-  if (absl::Status status = (*output)->Begin(voxels.all.accepted); !status.ok()) return status;
+  if (absl::Status status = (*output)->Begin(voxels.all.accepted); !status.ok()) return (*files)->Named(status);
   const BrickBatch batch{voxels.all.bricks, 1, voxels.all.fields};
-  if (absl::Status status = (*output)->Add(batch); !status.ok()) return status;
-  if (absl::Status status = (*output)->Finish(voxels.all.summary); !status.ok()) return status;
-  return (*output)->Commit();
+  if (absl::Status status = (*output)->Add(batch); !status.ok()) return (*files)->Named(status);
+  if (absl::Status status = (*output)->Finish(voxels.all.summary); !status.ok()) return (*files)->Named(status);
+  return cancellation.cancelled() ? absl::CancelledError("cancelled") : (*output)->Commit();
 }
 
 }  // namespace
 
-void Save(const Voxels& voxels, const std::string& path, bool dense_npy) {
-  OutputOptions options = voxels.output_options;
-  options.dense_npy = dense_npy;
-  absl::Status written;
-  {
-    const py::gil_scoped_release release;
-    written = Write(voxels, path, options);
-  }
-  if (Vdb::State() == VdbState::kLoaded) {
-    [[maybe_unused]] static const bool once = (LeaveOutExitHandlers(), true);
-  }
-  Check(written);
+void Save(const Voxels& voxels, const std::string& path, bool dense_npy, bool allow_http) {
+  VoxelizeOptions options;
+  options.request = voxels.request;
+  options.output_options = voxels.output_options;
+  options.output_options.dense_npy = dense_npy;
+  options.outputs = {path};
+  options.remote.allow_http = allow_http;
+  Check(NameRemoteOutputs(options.outputs, options.remote));
+  Run([&](Work& work) {
+    absl::Status written = Write(voxels, options, work.cancellation());
+    if (Vdb::State() == VdbState::kLoaded) {
+      [[maybe_unused]] static const bool once = (LeaveOutExitHandlers(), true);
+    }
+    return written;
+  });
 }
 
 }  // namespace latvox::client::python

@@ -58,8 +58,8 @@ pybind11::array FieldArray(const SharedVoxels& voxels, const std::string& field)
 // lattice point [0, 0, 0]. Its elements are bool, or the values of a field. Throws as ToDense and ShapedBox.
 pybind11::tuple Dense(const Voxels& voxels, const std::optional<IndexBox>& box, const std::string& field);
 
-// Writes a file, as `latvox voxelize -o` does. Throws the errors of OpenOutput.
-void Save(const Voxels& voxels, const std::string& path, bool dense_npy);
+// Writes a file or a remote object, as `latvox voxelize -o` does. Throws the errors of OpenOutput and RemoteFiles.
+void Save(const Voxels& voxels, const std::string& path, bool dense_npy, bool allow_http);
 
 }  // namespace latvox::client::python
 

@@ -50,7 +50,7 @@ VALUES = {
     "weld_report": (True, {}),
 }
 OF_FILES = {"out", "npy", "dims", "pad", "align"}  # tested below
-OF_COMMAND_LINE = {"help", "quiet", "json", "output_format", "allow_http"}
+OF_COMMAND_LINE = {"help", "quiet", "json", "output_format"}
 
 
 def words(options):

@@ -177,15 +177,17 @@ class Voxels(Bricks):
         affine[:3, 3] += self.basis.T @ np.array(low)
         return Dense(data, low, affine)
 
-    def save(self, path: Union[str, os.PathLike], npy: str = "coordinates") -> None:
+    def save(self, path: Union[str, os.PathLike], npy: str = "coordinates", *, allow_http: bool = False) -> None:
         """Writes a file in the format of its extension, as `latvox voxelize -o` does; see EXTENSIONS.
 
         An existing file is replaced, once the new one is complete.
+        path: also "s3://BUCKET/KEY", or the URL of a web server that takes files.
         npy: content of a .npy, "coordinates" or "dense".
+        allow_http: whether an http: URL may be of another machine. Everybody in between can read and change the file.
         """
         if npy not in ("coordinates", "dense"):
             raise ValueError(f'npy: "{npy}" is not one of coordinates, dense')
-        self._voxels.save(os.fspath(path), npy == "dense")
+        self._voxels.save(os.fspath(path), npy == "dense", allow_http)
 
     def _repr_png_(self) -> bytes:
         """Returns a picture, for notebooks."""

@@ -43,6 +43,9 @@ class RemoteFiles {
   // that of a URL that is signed for writing alone. Errors: those of FactsOf.
   absl::StatusOr<bool> IsMissing(const std::string& output, const std::string& job_digest, uint64_t bytes);
 
+  // Opens an output, here or on another machine. It must not outlive this object. Errors: those of OpenOutput.
+  absl::StatusOr<std::unique_ptr<Output>> Open(const std::string& output);
+
   // Lets the job write to other machines, and speak of objects. The hooks must not outlive this object.
   void Hook(JobHooks& hooks);
 
@@ -59,7 +62,6 @@ class RemoteFiles {
   absl::Status CheckAccess() const;
   absl::Status MakeDirectory();
   absl::Status FetchMeshes();
-  absl::StatusOr<std::unique_ptr<Output>> Open(const std::string& output);
   std::string NextPath(const RemoteName& remote);
 
   const VoxelizeOptions& options_;

@@ -205,13 +205,16 @@ VoxelizeOptions InterpretRequest(const VoxelizeWords& words) {
   return options;
 }
 
-VoxelizeOptions Interpret(const VoxelizeWords& given) {
-  VoxelizeWords words = given;
-  RemoteNames& remote = words.options.remote;
+void NameRemoteFiles(VoxelizeOptions& options) {
   for (const absl::Status& status :
-       {NameRemotes(words.options.mesh.paths, remote), NameRemoteOutputs(words.options.outputs, remote)}) {
+       {NameRemotes(options.mesh.paths, options.remote), NameRemoteOutputs(options.outputs, options.remote)}) {
     if (!status.ok()) Refuse(status.message());
   }
+}
+
+VoxelizeOptions Interpret(const VoxelizeWords& given) {
+  VoxelizeWords words = given;
+  NameRemoteFiles(words.options);
   InterpretOutputs(words);
   VoxelizeOptions options = InterpretRequest(words);
   CheckMeshPaths(options.mesh, options.outputs);

@@ -56,6 +56,10 @@ struct VoxelizeWords : MeshWords {
 // Adds all options.
 void AddVoxelizeOptions(CommandParser& command, VoxelizeWords& words);
 
+// Replaces URLs among meshes and outputs by their names, and keeps them in `remote`. Throws UsageError for those of
+// NameRemotes and NameRemoteOutputs.
+void NameRemoteFiles(VoxelizeOptions& options);
+
 // Returns the options that the words mean together. Throws UsageError, as parsing does, naming option, value and limit:
 // options that exclude or need each other.
 VoxelizeOptions InterpretRequest(const VoxelizeWords& words);
