@@ -76,6 +76,12 @@ class Convert(Case):
             pages = [(self.dir / f"{source}.{output}").read_bytes().replace(b"a.nvdb", b"a.vdb") for source in ("vdb", "nvdb")]
             self.assertTrue(pages[0] == pages[1], command)
 
+    def test_a_mesh_is_aligned_to_both(self):
+        self.write(JOBS["skewed"], "a.vdb", "a.nvdb")
+        for source in ("vdb", "nvdb"):
+            self.voxelize(BUNNY, "--align", self.dir / f"a.{source}", out=f"{source}.csv")
+        self.equal("vdb.csv", "nvdb.csv")
+
     def test_some_fields_keep_their_metadata(self):
         self.write(JOBS["fields"], "a.vdb")
         whole = self.info("a.vdb")["metadata"]

@@ -16,6 +16,7 @@ from vtkmodules.vtkIOImage import vtkMetaImageReader
 from vtkmodules.vtkIOXML import vtkXMLImageDataReader, vtkXMLUnstructuredGridReader
 
 from harness import BIN, BUNNY, PATIENCE, Case, box, latvox, write_obj
+from label_fractions_test import BODIES, write_bodies
 
 SPIDER = "/usr/share/assimp/models/OBJ/spider.obj"  # of assimp-testmodels
 DOCS = pathlib.Path(__file__).resolve().parents[2] / "client" / "docs" / "inputs-and-outputs.md"
@@ -132,6 +133,33 @@ class Science(Case):
                 self.check_images(arrays, name, dtype)
         kinds = by_teem(self.dir / "a.nrrd")[2]
         self.assertEqual((kinds["space"], kinds["content"]), ("left-posterior-superior", "fraction"))
+
+    def test_images_hold_fields_of_one_type(self):
+        for fields, dtype in ("part,material,triangle", "int32"), ("distance,point,normal", "float32"):
+            with self.subTest(fields):
+                arrays = self.write(SPIDER, IMAGES[:3], "--lattice", "bcc", "--resolution", "12", "--fields", fields)
+                self.check_components(arrays, fields.split(","), dtype)
+
+    def test_images_hold_the_fractions_of_all_labels(self):
+        """A labeled solid carries its labels, too, which have another type."""
+        mesh = write_bodies(self.dir / "boxes.obj", {name: box(*corners) for name, corners in BODIES.items()})
+        solid = ["--set", "supercover-solid", "--labels", "part", "--voxel-size", "1"]
+        self.write(mesh, [".vdb"], *solid, "--fields", "fraction:4,label_fractions:4")
+        arrays = self.convert(IMAGES[:3], "--fields", "fraction,label_fractions")
+        names = ["fraction", *(f"fraction_{n}" for n in range(len(BODIES)))]
+        self.assertLessEqual(set(names), set(arrays))
+        self.check_components(arrays, names, "uint16")
+
+    def check_components(self, arrays, names, dtype):
+        """Components of an element are those of the fields, one after the other."""
+        columns = [arrays[name].reshape(*arrays["data"].shape, -1) for name in names]
+        whole = numpy.concatenate(columns, axis=3)
+        self.check_images({**arrays, "all": whole}, "all", dtype, IMAGES[:3])
+        header = by_teem(self.dir / "a.nrrd")[2]
+        self.assertEqual((header["content"], header["kinds"].split()[0]), (",".join(names), "list"))
+        for extension in IMAGES[:3]:
+            facts = json.loads(latvox("info", "--json", self.dir / f"a{extension}").stdout)
+            self.assertEqual((facts["components"], facts["shape"]), (whole.shape[3], list(whole.shape[:3])))
 
     def test_labels_have_the_names_of_segments(self):
         arrays = self.write(SPIDER, [".nrrd", ".vdb"], "--resolution", "16", "--fields", "material")
@@ -355,6 +383,7 @@ class Science(Case):
         questions = {
             "one field": ["--fields", "normal"],
             "several": ["--fields", "part,distance"],
+            "several of one type": ["--fields", "part,triangle"],
             "links": ["--fields", "links,link_triangles"],
             "stretched": ["--voxel-size", "1,1,2"],
             "any lattice": ["--lattice", "bcc"],

@@ -20,6 +20,7 @@
 #include "absl/strings/str_split.h"
 #include "client/tool/inspect/byte_source.h"
 #include "client/tool/inspect/inflated_source.h"
+#include "latvox/fields.h"
 
 namespace latvox::client {
 namespace {
@@ -53,7 +54,10 @@ absl::StatusOr<Json> Facts(const ImageHead& head, ByteSource& data) {
     if (side == 0 || side > kMost || elements > kMost / side) return data.Bad("has a shape that is not read");
     elements *= side;
   }
-  if (head.components == 0 || head.components > 3) return data.Bad("has ", head.components, " components, not 1 to 3");
+  constexpr uint64_t kMostComponents = 1 + kMostFractionLabels;  // of 16 bits; there are fewer fields of other types
+  if (head.components == 0 || head.components > kMostComponents) {
+    return data.Bad("has ", head.components, " components, not 1 to ", kMostComponents);
+  }
   const size_t bytes = BytesOfType(head.type);
   const size_t step = head.planar ? bytes : bytes * head.components;
   uint64_t voxels = 0;

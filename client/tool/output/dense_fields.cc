@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 
+#include "absl/strings/str_cat.h"
 #include "client/tool/output/field_columns.h"
 
 namespace latvox::client {
@@ -24,8 +25,8 @@ std::string EmptyOf(NumberType type) {
 
 }  // namespace
 
-DenseFields::DenseFields(const std::vector<Field>& fields, DenseOrder order, const BoxShape& shape)
-    : shape_(shape), box_(order) {
+DenseFields::DenseFields(const std::vector<Field>& fields, DenseOrder order, const BoxShape& shape, bool are_joined)
+    : shape_(shape), are_joined_(are_joined), box_(order) {
   for (const Field field : fields) fields_.push_back({field, {}});
 }
 
@@ -46,6 +47,7 @@ absl::Status DenseFields::Begin(const Accepted& accepted, const std::string& tar
 
 absl::Status DenseFields::SetBox(const std::optional<IndexBox>& box) {
   uint64_t element = 1;
+  if (are_joined_) element = Joined().empty.size();
   for (const DenseArray& array : Arrays()) element = std::max<uint64_t>(element, array.empty.size());
   return box_.SetBox(box, element, target_);
 }
@@ -87,6 +89,24 @@ std::vector<DenseArray> DenseFields::Arrays() const {
     for (size_t n = 0; n < values.labels.size(); ++n) add(FractionName(values.labels[n]), n, 1);
   }
   return arrays;
+}
+
+DenseArray DenseFields::Joined() const {
+  std::vector<DenseArray> arrays = Arrays();
+  if (arrays.size() > 1) arrays.erase(arrays.begin());
+  DenseArray joined = arrays.front();
+  for (size_t n = 1; n < arrays.size(); ++n) {
+    absl::StrAppend(&joined.name, ",", arrays[n].name);
+    joined.components += arrays[n].components;
+    joined.empty += arrays[n].empty;
+  }
+  joined.put = [arrays](uint64_t n, char* to) {
+    for (const DenseArray& array : arrays) {
+      array.put(n, to);
+      to += array.empty.size();
+    }
+  };
+  return joined;
 }
 
 }  // namespace latvox::client

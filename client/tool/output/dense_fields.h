@@ -29,7 +29,8 @@ struct DenseArray {
 // Collects voxels and fields. Memory: 88 bytes for each brick, and the fields. Not thread-safe.
 class DenseFields {
  public:
-  DenseFields(const std::vector<Field>& fields, DenseOrder order, const BoxShape& shape);
+  //   are_joined   the fields become one array: see Joined
+  DenseFields(const std::vector<Field>& fields, DenseOrder order, const BoxShape& shape, bool are_joined = false);
   DenseFields(const DenseFields&) = delete;
   DenseFields& operator=(const DenseFields&) = delete;
 
@@ -47,6 +48,10 @@ class DenseFields {
   // other numbers 0.
   std::vector<DenseArray> Arrays() const;
 
+  // Returns `data` without a field. Otherwise returns the array of all fields; its elements have their components, one
+  // field after the other, and its name has commas. Precondition: their numbers have one type.
+  DenseArray Joined() const;
+
   DenseBox& box() { return box_; }
   const GridTransform& grid() const { return grid_; }
   const std::vector<FieldValues>& values() const { return fields_; }  // of each field, in the order of Add
@@ -58,6 +63,7 @@ class DenseFields {
   absl::Status SetBox(const std::optional<IndexBox>& box);
 
   const BoxShape shape_;
+  const bool are_joined_;
   std::string target_;
   VoxelBox voxels_;  // of all that were added, if there are dims
   GridTransform grid_;

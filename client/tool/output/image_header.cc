@@ -127,9 +127,10 @@ std::string NrrdHeader(const ImageFacts& image) {
                       "\ndimension: ", many ? 4 : 3, "\nspace: left-posterior-superior\nsizes: ", many ? first : "",
                       absl::StrJoin(image.shape, " "), "\nspace directions: ", many ? "none " : "", "(",
                       Numbers(a, ","), ") (", Numbers(b, ","), ") (", Numbers(c, ","), ")\nkinds: ",
-                      image.type == NumberType::kUint8 && many ? "RGB-color "
-                      : many                                   ? "vector "
-                                                               : "",
+                      image.is_list                              ? "list "
+                      : image.type == NumberType::kUint8 && many ? "RGB-color "
+                      : many                                     ? "vector "
+                                                                 : "",
                       "domain domain domain\nendian: little\nencoding: gzip\nspace origin: (",
                       Numbers(image.corner, ","), ")\n", SegmentLines(image.segments), "\n");
 }

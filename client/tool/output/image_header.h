@@ -18,8 +18,9 @@ struct ImageFacts {
   std::array<uint64_t, 3> shape = {};  // along i, j, k; each at least 1
   NumberType type;                     // of a component; kUint32 stands for int32
   size_t components = 1;
-  std::string name;                        // of the field, or "data"
+  std::string name;                        // of the field, of the fields with commas between them, or "data"
   std::vector<std::string> segments = {};  // names of labels 1, 2 and so on; "": unknown
+  bool is_list = false;                    // the components are not those of one field
 };
 
 // NRRD0005, up to the empty line; the data follow in gzip. `space directions` are the basis. The space is

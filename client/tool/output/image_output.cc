@@ -29,12 +29,14 @@ DenseArray Component(const DenseArray& array, size_t component) {
 // Returns an array of integers that are one more, and 0 where there is no voxel. Others remain.
 DenseArray AsLabels(const DenseArray& array) {
   if (array.type != NumberType::kUint32) return array;
-  const auto put = [before = array.put](uint64_t n, char* to) {
-    int32_t number = 0;
+  const auto put = [before = array.put, components = array.components](uint64_t n, char* to) {
     before(n, to);
-    std::memcpy(&number, to, sizeof(number));
-    ++number;
-    std::memcpy(to, &number, sizeof(number));
+    for (size_t component = 0; component < components; ++component, to += sizeof(int32_t)) {
+      int32_t number = 0;
+      std::memcpy(&number, to, sizeof(number));
+      ++number;
+      std::memcpy(to, &number, sizeof(number));
+    }
   };
   return {array.name, array.type, array.components, std::string(array.empty.size(), '\0'), put};
 }
@@ -43,10 +45,12 @@ class ImageOutput final : public Output {
  public:
   ImageOutput(std::unique_ptr<AtomicFile> file, ImageFormat format, const std::vector<Field>& fields,
               const BoxShape& shape)
-      : file_(std::move(file)), format_(format), fields_(fields, DenseOrder::kFirstFastest, shape) {}
+      : file_(std::move(file)),
+        format_(format),
+        fields_(fields, DenseOrder::kFirstFastest, shape, /*are_joined=*/true) {}
 
   void SetNames(const CarriedNames& names) override {
-    if (!fields_.values().empty()) segments_ = names.Of(fields_.values()[0].field);
+    if (fields_.values().size() == 1) segments_ = names.Of(fields_.values()[0].field);
   }
 
   absl::Status Begin(const Accepted& accepted) override {
@@ -69,10 +73,15 @@ class ImageOutput final : public Output {
 
   absl::Status Finish(const Summary&) override {
     if (auto status = fields_.Finish(); !status.ok()) return status;
-    const DenseArray array = AsLabels(fields_.Arrays().back());
-    const ImageFacts image = {
-        fields_.grid().basis, fields_.corner(), fields_.box().shape(), array.type, array.components,
-        array.name,           segments_};
+    const DenseArray array = AsLabels(fields_.Joined());
+    const ImageFacts image = {fields_.grid().basis,
+                              fields_.corner(),
+                              fields_.box().shape(),
+                              array.type,
+                              array.components,
+                              array.name,
+                              segments_,
+                              /*is_list=*/fields_.Arrays().size() > 2};
     if (auto status = Write(image, array); !status.ok()) return status;
     if (data_ != nullptr) {
       if (auto status = data_->Sync(); !status.ok()) return status;

@@ -187,6 +187,7 @@ enum class Holds {
   kColor,
   kPainted,  // one that gives each voxel a color: color, material, or part
   kOne,      // one with a fixed size
+  kOneType,  // those with a fixed size and one type of numbers
   kFixed,    // all except those of links
   kLinks,    // all others, and nothing without one
   kAll,
@@ -221,9 +222,9 @@ constexpr Format kFormats[] = {
     {".h5", "HDF5", NewHdf5Output, Holds::kAll},
     {kLinksCsv, "table of links", NewLinkList<NewLinkTableOutput>, Holds::kLinks},
     {kLinksNpz, "NumPy, arrays of links", NewLinkList<NewLinkArrayOutput>, Holds::kLinks},
-    {".nrrd", "NRRD", NewImage<ImageFormat::kNrrd>, Holds::kOne},
-    {".mha", "MetaImage", NewImage<ImageFormat::kMetaImage>, Holds::kOne},
-    {kMhd, "MetaImage with a .raw beside it", NewImage<ImageFormat::kMetaPair>, Holds::kOne},
+    {".nrrd", "NRRD", NewImage<ImageFormat::kNrrd>, Holds::kOneType},
+    {".mha", "MetaImage", NewImage<ImageFormat::kMetaImage>, Holds::kOneType},
+    {kMhd, "MetaImage with a .raw beside it", NewImage<ImageFormat::kMetaPair>, Holds::kOneType},
     {".nii", "NIfTI", NewImage<ImageFormat::kNifti>, Holds::kOne},
     {kNiiGz, "NIfTI, compressed", NewImage<ImageFormat::kNiftiGzip>, Holds::kOne},
 };
@@ -236,6 +237,10 @@ bool CanHold(const Format& format, const std::vector<Field>& fields) {
   if (fields.empty() || format.holds == Holds::kAll) return true;
   if (format.holds == Holds::kFixed) return !CarriesLinks(fields);
   if (format.holds == Holds::kOne) return FitsOneArray(fields);
+  if (format.holds == Holds::kOneType) {
+    const auto differs = [&fields](Field field) { return FactsOf(field).type != FactsOf(fields.front()).type; };
+    return !CarriesLinks(fields) && std::none_of(fields.begin(), fields.end(), differs);
+  }
   if (format.holds == Holds::kPainted) return fields.size() == 1 && DefaultColorBy({fields}) != ColorBy::kNone;
   return format.holds == Holds::kColor && fields == std::vector<Field>{Field::kColor};
 }

@@ -111,7 +111,7 @@ std::optional<Warning> WarningOfPlace(const std::vector<std::string>& paths);
 //   .vox   the colors of a picture, as a palette
 //   .glb   colors of the surface's vertices; no other fields
 //   .vti, .vtu   arrays
-//   images   one field
+//   images   components of each element, if the fields have one type of numbers; NIfTI one field
 // Voxels come in the order of the stream, those of a brick in lexicographic order. Memory does not grow with the
 // voxels, except for .vdb, .nvdb, .html, .glb, .binvox, .vox and dense arrays: .npy, .npz, .vti and images, and .vtu.
 // Errors: INVALID_ARGUMENT (extension); FAILED_PRECONDITION: the file cannot be created; of .vdb, .nvdb and .html,

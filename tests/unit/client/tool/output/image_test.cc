@@ -140,6 +140,43 @@ TEST_F(Image, ComponentsOfNiftiComeOneAfterAnother) {
   }
 }
 
+TEST_F(Image, FieldsOfOneTypeAreComponentsOfEachElement) {
+  VoxelizeRequest request;
+  request.fields = {Field::kTriangle, Field::kPart};
+  const std::vector<FieldValues> fields = {ValuesOf<uint32_t>(Field::kTriangle, {10, 20, 30}),
+                                           ValuesOf<uint32_t>(Field::kPart, {0, 1, 2})};
+  ASSERT_EQ(Fill("o.mhd", request, fields, MakeAccepted()), absl::OkStatus());
+  EXPECT_THAT(Read("o.mhd"), HasSubstr("\nElementNumberOfChannels = 2\nElementType = MET_INT\n"));
+  const std::string data = Read("o.raw");
+  ASSERT_EQ(data.size(), 12 * 2 * sizeof(int32_t));
+  using Element = std::array<int32_t, 2>;
+  EXPECT_THAT(At<Element>(data, 0), ElementsAre(11, 1));       // (-1, 0, 7), the first voxel; labels begin with 1
+  EXPECT_THAT(At<Element>(data, 8), ElementsAre(31, 3));       // (0, 0, 7), the third
+  EXPECT_THAT(At<Element>(data, 10 * 8), ElementsAre(21, 2));  // (-1, 2, 8), the second
+  EXPECT_THAT(At<Element>(data, 2 * 8), ElementsAre(0, 0));
+  ASSERT_EQ(Fill("o.nrrd", request, fields, MakeAccepted()), absl::OkStatus());
+  EXPECT_THAT(Read("o.nrrd"), HasSubstr("\nsizes: 2 2 3 2\n"));
+  EXPECT_THAT(Read("o.nrrd"), HasSubstr("\nkinds: list domain domain domain\n"));
+  EXPECT_THAT(Read("o.nrrd"), HasSubstr("\ncontent: triangle,part\n"));
+}
+
+TEST_F(Image, FieldsOfTwoTypesAndTooManyBytesAreRefused) {
+  VoxelizeRequest request;
+  request.fields = {Field::kPart, Field::kDistance};
+  const std::string refusal(Fill("o.nrrd", request, {}, MakeAccepted()).message());
+  EXPECT_THAT(refusal, HasSubstr(".npz"));
+  EXPECT_THAT(refusal, testing::Not(HasSubstr(".mha")));
+  Accepted accepted = MakeAccepted();
+  accepted.index_box = IndexBox{{0, 0, 0}, {1024, 512, 512}};  // 4 GiB: 16 bytes for each
+  for (const auto& [fields, fits] : {std::pair(std::vector{Field::kDistance, Field::kNormal}, true),
+                                     {std::vector{Field::kDistance, Field::kNormal, Field::kPoint}, false}}) {
+    request.fields = fields;
+    const auto output = OpenOutput(Path("o.nrrd"), request);
+    ASSERT_TRUE(output.ok());
+    EXPECT_EQ((*output)->Begin(accepted).code(), fits ? absl::StatusCode::kOk : absl::StatusCode::kResourceExhausted);
+  }
+}
+
 TEST_F(Image, ASideBeyondNifti1MakesNifti2) {
   for (const auto& [side, bytes] : {std::pair(32767, 352), {32768, 544}}) {
     Accepted accepted = MakeAccepted();
