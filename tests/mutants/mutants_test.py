@@ -4,6 +4,7 @@ $LATVOX_MUTANTS is the number of mutants of each format, 20 by default. $LATVOX_
 Files that broke a promise stay in build/mutants.
 """
 
+import itertools
 import json
 import os
 import pathlib
@@ -94,25 +95,25 @@ class Mutants(Case):
 
     def test_commands(self):
         chance = random.Random(SEED)
-        whole = self.wholes / "voxels.vdb"
-        for number in range(max(1, COUNT // 10)):
-            mutant, out = self.dir / "mutant.vdb", self.dir / "out"
+        for number, kind in itertools.product(range(max(1, COUNT // 10)), ("vdb", "nvdb")):
+            whole, mutant, out = self.wholes / f"voxels.{kind}", self.dir / f"mutant.{kind}", self.dir / "out"
             mutant.write_bytes(damaged(whole.read_bytes(), chance))
             for words in (
                 ["info", mutant],
                 ["merge", mutant, "-o", out.with_suffix(".vdb")],
+                ["convert", mutant, "-o", out.with_suffix(".vdb")],
                 ["compare", mutant, whole],
                 ["render", mutant, "-o", out.with_suffix(".png")],
                 ["slice", mutant, "-o", out.with_suffix(".csv")],
                 ["view", mutant, "-o", out.with_suffix(".html")],
                 ["voxelize", self.wholes / "mesh.obj", "--align", mutant, "--region", "0,0,0,1,1,1", "-o", out.with_suffix(".npy")],
             ):
-                with self.subTest(command=words[0], mutant=number):
+                with self.subTest(command=words[0], mutant=number, kind=kind):
                     done = latvox(*words)
                     self.assertIn(done.returncode, (0, 1, 3) if words[0] == "compare" else (0, 3), done.stderr)
                     if done.returncode == 3:
                         self.assertEqual(len(done.stderr.splitlines()), 1, done.stderr)
-                        self.assertIn("mutant.vdb", done.stderr)
+                        self.assertIn(mutant.name, done.stderr)
                         self.assertEqual(list(self.dir.glob("out.*")), [])
                     for left in self.dir.glob("out.*"):
                         left.unlink()

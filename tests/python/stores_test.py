@@ -1,6 +1,9 @@
 """Meshes and results on other machines: an S3 server on loopback, and its presigned URLs."""
 
 import os
+import signal
+import socket
+import threading
 
 import latvox
 import pytest
@@ -77,3 +80,19 @@ def test_what_is_refused_is_named(server, tmp_path):
         server.voxelize("s3:///none.obj", resolution=9)
     with pytest.raises(latvox.Error, match="allow_http"):
         v.save("http://192.0.2.1/a.csv")
+
+
+def test_an_interrupt_ends_a_save(server, tmp_path):
+    v, connections = local(server, tmp_path), []
+    with socket.create_server(("127.0.0.1", 0)) as listener:  # never answers
+
+        def interrupt():
+            connections.append(listener.accept()[0])
+            os.kill(os.getpid(), signal.SIGINT)
+
+        thread = threading.Thread(target=interrupt)
+        thread.start()
+        with pytest.raises(KeyboardInterrupt):
+            v.save(f"http://127.0.0.1:{listener.getsockname()[1]}/a.csv")
+        thread.join()
+    connections[0].close()
