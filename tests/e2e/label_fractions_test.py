@@ -1,5 +1,6 @@
 """The field label_fractions: overlapping boxes by their volumes, and a phantom's organs, in every format that holds it."""
 
+import collections
 import csv
 import json
 import unittest
@@ -9,10 +10,14 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkIOXML import vtkXMLImageDataReader, vtkXMLUnstructuredGridReader
 
 from harness import Case, box, latvox, octahedron
+from picture_test import read_png
 
 GRID = ["--voxel-size", "1", "--origin", "0,0,0", "--set", "supercover-solid", "--labels", "part"]
 # Low and high corners on quarters of voxels. The second box overlaps the first, the third lies within both.
 BODIES = {"base": ((0.25, 0.25, 0.25), (5.5, 4.75, 4)), "lid": ((3, 1, -1.5), (8.25, 6.5, 3.75)), "pin": ((3.5, 2, 0.5), (5, 3.25, 2))}
+
+PALETTE = ((0xE6, 0x9F, 0x00), (0x56, 0xB4, 0xE9), (0x00, 0x9E, 0x73))  # of labels 0 to 2
+NONE, ALL = (0x44, 0x01, 0x54), (0xFD, 0xE7, 0x25)  # of a label, in a cell
 
 
 def write_bodies(path, bodies):
@@ -100,6 +105,43 @@ class LabelFractions(Case):
         for other, status in (("a.vdb", 0), ("other.vdb", 1)):
             compared = latvox("compare", self.dir / "a.vdb", self.dir / other)
             self.assertEqual((compared.returncode, "latvox_fraction_labels" in compared.stdout), (status, status == 1), compared.stderr)
+
+    def picture(self, command, *options, text, status=0):
+        """Draws a.vdb. Returns the number of pixels of each color."""
+        done = latvox(command, self.dir / "a.vdb", "-o", self.dir / "a.png", "--size", "300", *options)
+        self.assertEqual((done.returncode, text in (done.stderr if status else done.stdout)), (status, True), done.stderr + done.stdout)
+        return {} if status else collections.Counter(color for line in read_png(self.dir / "a.png")[2] for color in line)
+
+    def test_pictures_mix_the_colors_of_labels_or_show_one(self):
+        self.voxelize(self.mesh, *GRID, "--fields", "label_fractions:4", "-o", self.dir / "a.vdb")
+        cut = ["--axis", "z", "--index", "2", "-o", self.dir / "layer.csv"]
+        mixed = self.picture("slice", *cut, "--color-by", "label_fractions", text=", colored by label_fractions")
+        with (self.dir / "out.csv").open() as file:
+            rows = [row for row in csv.DictReader(file) if row["k"] == "2"]
+        with (self.dir / "layer.csv").open() as file:
+            self.assertCountEqual(list(csv.DictReader(file)), rows)
+        points = {tuple(int(row[f"fraction_{n}"]) for n in range(3)) for row in rows}
+        self.assertGreater(len(points), 5)
+        for counts in points:
+            parts = zip((*counts, 64 - sum(counts)), (*PALETTE, (255, 255, 255)))
+            color = tuple(int(level / 64 + 0.5) for level in sum(n * numpy.array(color) for n, color in parts))
+            self.assertGreater(mixed[color], 200, counts)
+        lid = self.picture("slice", *cut, "--label", "lid", text=", colored by the fraction of lid")
+        self.assertEqual(lid, self.picture("slice", *cut, "--color-by", "label_fractions", "--label", "1", text="fraction of 1"))
+        self.assertTrue(lid[NONE] > 200 and lid[ALL] > 200)
+        one, whole = ([tuple(color) for color in self.picture("render", *more, text=text)] for more, text in (
+            (["--label", "pin"], "the fraction of pin"), (["--color-by", "label_fractions"], "by label_fractions")))  # fmt: skip
+        self.assertNotEqual(one, whole)
+        for command, more, status, says in (
+            ("render", ["--label", "x"], 3, 'a.vdb: --label: "x" is neither a number nor the name of a part'),
+            ("slice", ["--label", "9"], 3, "a.vdb: --label 9: the voxels have fractions of 0,1,2"),
+            ("slice", ["--label", "1", "--color-by", "part"], 2, "--label: needs --color-by label_fractions, not part"),
+            ("render", ["--label", "1", "--color", "ff0000"], 2, "--color: cannot be combined with --label"),
+        ):
+            self.picture(command, *more, text=says, status=status)
+        self.voxelize(self.mesh, *GRID, out="a.vdb")
+        for more in (["--label", "1"], ["--color-by", "label_fractions"]):
+            self.picture("slice", *more, text="the voxels have no label_fractions, which", status=3)
 
     def test_a_batch_and_parts_are_as_the_whole(self):
         options = ["--resolution", "90", "--lattice", "bcc", "--set", "solid", "--labels", "part"]

@@ -367,6 +367,29 @@ class View(OnPage):
         pixels, seen = self.canvas()
         self.assertGreater((pixels[..., 2] > pixels[..., 0])[seen].mean(), 0.5)
 
+    def test_fractions_of_labels_are_colors(self):
+        parts = [write_obj(self.dir / "lid.obj", octahedron()), write_obj(self.dir / "pin.obj", octahedron(0.5))]
+        options = ["--resolution", 16, "--set", "solid", "--labels", "part", "--fields", "label_fractions:4"]
+        done = latvox("voxelize", *parts, *options, "-o", self.dir / "a.vdb", "-o", self.dir / "a.csv")
+        self.assertEqual(done.returncode, OK, done.stderr)
+        with open(self.dir / "a.csv") as lines:
+            table = {tuple(int(row[n]) for n in "ijk"): row for row in csv.DictReader(lines)}
+        layer = sorted(k for _, _, k in table)[len(table) // 2]
+        self.view(self.dir / "a.vdb", place=f"#axis=k&layer={layer}&which=only&azimuth=0&elevation=5&by=label_fractions")
+        names = ["label_fractions", "fraction_0 (lid.obj)", "fraction_1 (pin.obj)"]
+        self.assertEqual(self.tab.run("[...document.getElementById('by').options].map((it) => it.text)"), ["part", *names, "none"])
+        voxels = [sum(int(row[f"fraction_{n}"]) for row in table.values()) / 64 for n in (0, 1)]
+        wanted = [f"label {n} ({name}.obj): {voxels[n]:.1f} voxels" for n, name in enumerate(("lid", "pin"))]
+        self.assertEqual(self.text("legend").replace(",", "").splitlines(), [*wanted, "elsewhere"])
+        read = set()
+        for x in range(120, 260, 20):
+            if shown := self.point(x, 150):
+                row = table[tuple(int(n) for n in shown["i, j, k"].split(", "))]
+                self.assertEqual([shown[name] for name in names[1:]], [row["fraction_0"], row["fraction_1"]])
+                self.assertNotIn("label_fractions", shown)
+                read.add(row["fraction_1"])
+        self.assertGreater(len(read), 1)
+
     def test_slow_pages_draw_points_until_they_rest(self):
         cells = write_shape(self.dir / "a.vdb", LATTICES["bcc"])
         self.view(self.dir / "a.vdb")

@@ -6,7 +6,6 @@
 #include "absl/strings/str_format.h"
 #include "absl/time/clock.h"
 #include "client/internal/vec3.h"
-#include "client/tool/cli/color_by_option.h"
 #include "client/tool/cli/common_options.h"
 #include "client/tool/cli/picture_style_option.h"
 #include "client/tool/confined/foreign_grid.h"
@@ -50,8 +49,8 @@ void AddRenderOptions(CommandParser& command, RenderWords& words) {
                 .help = "Color of the surface",
                 .value = "RRGGBB",
                 .checks = {{CheckColor}},
-                .standard = "769ed2"},
-               ColorByRow(words.color_by)});
+                .standard = "769ed2"}});
+  command.Add(ColorByRows(words.color_by));
   AddPictureStyleOptions(command, "End the picture near the voxels; --size is its longer side", words.style);
 }
 
@@ -64,8 +63,10 @@ PictureOptions Interpret(const RenderWords& words) {
     options.azimuth = view[0];
     options.elevation = view[1];
   }
-  if (!words.color.empty() && !words.color_by.empty())
-    Refuse("--color: cannot be combined with --color-by ", words.color_by);
+  Check(words.color_by);
+  if (!words.color.empty() && !words.color_by.label.empty()) Refuse("--color: cannot be combined with --label");
+  if (!words.color.empty() && !words.color_by.source.empty())
+    Refuse("--color: cannot be combined with --color-by ", words.color_by.source);
   if (!words.color.empty()) options.color = ParseColor(words.color);
   options.crop = words.style.crop;
   return options;
@@ -74,8 +75,9 @@ PictureOptions Interpret(const RenderWords& words) {
 absl::StatusOr<std::string> RunRender(const RenderWords& words, const PictureOptions& given) {
   const absl::Time start = absl::Now();
   const std::string& output = words.outputs.front();
-  const auto content = ReadForeignContent(words.input, /*values=*/true, given.cancellation);
+  auto content = ReadForeignContent(words.input, /*values=*/true, given.cancellation);
   if (!content.ok()) return content.status();
+  if (auto status = SelectLabel(words.color_by, words.input, *content); !status.ok()) return status;
   const bool plain = content->is_band || !words.color.empty();
   const ColorBy by = plain && words.color_by.empty() ? ColorBy::kNone : ColorByOf(words.color_by, false, *content);
   auto colors = FileColors(words.input, *content, by);
@@ -94,7 +96,7 @@ absl::StatusOr<std::string> RunRender(const RenderWords& words, const PictureOpt
   if (auto status = WriteAtomically(output, *png); !status.ok()) return status;
   return absl::StrFormat("%s: %d voxels%s%s\nwrote %s in %.2f s\n", words.input, content->file.info.active_voxels,
                          content->is_band ? " in the band; the picture shows those at the surface" : "",
-                         ColoredText(by), output, absl::ToDoubleSeconds(absl::Now() - start));
+                         ColoredText(words.color_by, by), output, absl::ToDoubleSeconds(absl::Now() - start));
 }
 
 }  // namespace latvox::client

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "client/tool/cli/color_by_option.h"
 #include "client/tool/cli/picture_style_option.h"
 #include "client/tool/output/picture.h"
 #include "deploy/manual/command_parser.h"
@@ -14,7 +15,8 @@ namespace latvox::client {
 
 // The words as given. Parsing writes into them.
 struct RenderWords {
-  std::string input, view_up, view, color, color_by;
+  std::string input, view_up, view, color;
+  ColorByWords color_by;
   std::vector<std::string> outputs;
   PictureOptions picture;
   PictureStyleWords style;

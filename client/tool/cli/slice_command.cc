@@ -12,7 +12,6 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "client/internal/vec3.h"
-#include "client/tool/cli/color_by_option.h"
 #include "client/tool/cli/common_options.h"
 #include "client/tool/confined/foreign_grid.h"
 #include "client/tool/output/atomic_file.h"
@@ -42,7 +41,9 @@ struct CutAt {
 // Returns the voxels of a layer with their values.
 GridContent Cut(const GridContent& content, const CutAt& place) {
   GridContent layer{{content.file.info, {}}, content.is_band, {}, content.distances};
-  for (const FieldValues& values : content.fields) layer.fields.push_back({values.field, {}});
+  for (const FieldValues& values : content.fields) {
+    layer.fields.push_back({values.field, {}, values.neighbors, values.labels});
+  }
   size_t voxel = 0;
   for (const Brick& brick : content.file.bricks) {
     Brick cut{brick.brick_ijk, {}};
@@ -107,6 +108,9 @@ absl::StatusOr<std::unique_ptr<Output>> List(const std::string& path, const Grid
   (*output)->SetNames(ReadCarriedNames(cut.file.info));
   Accepted accepted;
   accepted.grid = cut.file.info.transform;
+  for (const FieldValues& values : cut.fields) {
+    if (FactsOf(values.field).is_of_labels()) accepted.fraction_labels = values.labels;
+  }
   if (auto status = (*output)->Begin(accepted); !status.ok()) return status;
   if (auto status = (*output)->Add(cut.Batch()); !status.ok()) return status;
   if (auto status = (*output)->Finish({}); !status.ok()) return status;
@@ -114,12 +118,12 @@ absl::StatusOr<std::unique_ptr<Output>> List(const std::string& path, const Grid
 }
 
 // Returns the meaning of the colors.
-std::string ColorsText(ColorBy by, const std::optional<DistanceRange>& range) {
-  if (by != ColorBy::kDistance || !range) return ColoredText(by);
+std::string ColorsText(const ColorByWords& words, ColorBy by, const std::optional<DistanceRange>& range) {
+  if (by != ColorBy::kDistance || !range) return ColoredText(words, by);
   const std::string width = absl::StrFormat("%g", range->most);
-  return ColoredText(by) + (range->is_signed
-                                ? absl::StrCat(", from -", width, " (blue, inside) to ", width, " (red), a line at 0")
-                                : absl::StrCat(", from 0 (violet) to ", width, " (yellow)"));
+  return ColoredText(words, by) +
+         (range->is_signed ? absl::StrCat(", from -", width, " (blue, inside) to ", width, " (red), a line at 0")
+                           : absl::StrCat(", from 0 (violet) to ", width, " (yellow)"));
 }
 
 // Writes a file that appears in Commit.
@@ -162,12 +166,15 @@ void AddSliceOptions(CommandParser& command, SliceWords& words) {
                 .value = "N",
                 .checks = {Whole(std::numeric_limits<int>::min(), std::numeric_limits<int>::max())},
                 .standard = "the middle of the file's voxels"},
-               SizeRow("Pixels along the picture's longer side", words.size),
-               ColorByRow(words.color_by)});
+               SizeRow("Pixels along the picture's longer side", words.size)});
+  command.Add(ColorByRows(words.color_by));
   AddPictureStyleOptions(command, "Show only the part of the world that the layer's voxels take", words.style);
 }
 
-void Check(const SliceWords& words) { CheckOutputs(words.outputs, words.input, "file"); }
+void Check(const SliceWords& words) {
+  Check(words.color_by);
+  CheckOutputs(words.outputs, words.input, "file");
+}
 
 Layer LayerOf(const GridTransform& grid, size_t axis, int32_t index) {
   const Vec3d* const basis[] = {&grid.basis.a, &grid.basis.b, &grid.basis.c};
@@ -191,8 +198,10 @@ absl::StatusOr<std::string> RunSlice(const SliceWords& words, const Cancellation
   const auto place = CutOf(words, content->file.info);
   if (!place.ok()) return place.status();
   const GridContent cut = Cut(*content, *place);
-  const ColorBy by = ColorByOf(words.color_by, /*distances=*/true, cut);
-  const auto colors = FileColors(words.input, cut, by);
+  GridContent drawn = cut;
+  if (auto status = SelectLabel(words.color_by, words.input, drawn); !status.ok()) return status;
+  const ColorBy by = ColorByOf(words.color_by, /*distances=*/true, drawn);
+  const auto colors = FileColors(words.input, drawn, by);
   if (!colors.ok()) return colors.status();
   std::vector<std::unique_ptr<Output>> lists;
   std::vector<std::unique_ptr<AtomicFile>> pictures;
@@ -203,7 +212,7 @@ absl::StatusOr<std::string> RunSlice(const SliceWords& words, const Cancellation
       lists.push_back(*std::move(list));
       continue;
     }
-    const auto png = Draw(content->file, cut, *colors, *place, words, StyleOf(words.style, cut, by));
+    const auto png = Draw(content->file, cut, *colors, *place, words, StyleOf(words.style, drawn, by));
     if (!png.ok()) return png.status();
     auto picture = WritePicture(path, *png);
     if (!picture.ok()) return picture.status();
@@ -219,7 +228,7 @@ absl::StatusOr<std::string> RunSlice(const SliceWords& words, const Cancellation
   uint64_t voxels = 0;
   for (const Brick& brick : cut.file.bricks) ForEachVoxel(brick, [&](const Vec3i&) { ++voxels; });
   return absl::StrCat(words.input, ": ", voxels, " voxels in layer ", words.axis, " = ", place->index,
-                      pictures.empty() ? "" : ColorsText(by, cut.distances), "\nwrote ",
+                      pictures.empty() ? "" : ColorsText(words.color_by, by, cut.distances), "\nwrote ",
                       absl::StrJoin(words.outputs, ", "), "\n");
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "client/tool/cli/color_by_option.h"
 #include "client/tool/cli/picture_style_option.h"
 #include "client/tool/output/pixel_picture.h"
 #include "deploy/manual/command_parser.h"
@@ -18,7 +19,8 @@ namespace latvox::client {
 
 // The words as given. Parsing writes into them.
 struct SliceWords {
-  std::string input, axis = "z", color_by;
+  std::string input, axis = "z";
+  ColorByWords color_by;
   std::optional<int> index;  // absent: in the middle of the file's voxels
   int size = kPixelPictureSide;
   PictureStyleWords style;

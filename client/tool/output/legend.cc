@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <map>
+#include <span>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/string_view.h"
 #include "client/tool/output/field_columns.h"
+#include "client/tool/output/labels.h"
 #include "latvox/grid/carried_names.h"
 
 namespace latvox::client {
@@ -55,9 +57,34 @@ Legend LegendOfPoints() {
 }
 
 // `name` is that in the mesh's file, or "".
+std::string Named(const std::string& number, const std::string& name) {
+  return name.empty() ? number : absl::StrCat(number, " (", name, ")");
+}
+
 std::string NameOfNumber(ColorBy by, uint32_t number, const std::string& name) {
   if (by == ColorBy::kColor) return absl::StrFormat("#%06x", number);
-  return absl::StrCat(NameOf(by), " ", number, name.empty() ? "" : absl::StrCat(" (", name, ")"));
+  return Named(absl::StrCat(NameOf(by), " ", number), name);
+}
+
+LegendEntry Rest(size_t entries) { return {std::nullopt, absl::StrCat("and ", entries, " more")}; }
+
+// A label has as much of all cells as so many voxels.
+Legend LegendOfLabels(const GridContent& content, const FieldValues& fractions, size_t most) {
+  const std::span<const uint16_t> numbers = fractions.As<uint16_t>();
+  const std::vector<uint32_t>& labels = fractions.labels;
+  std::vector<uint64_t> points(labels.size());
+  for (size_t n = 0; n < numbers.size(); ++n) points[n % labels.size()] += numbers[n];
+  const double points_of_cell = TraitsOf(content).points_of_cell;
+  Legend legend;
+  for (size_t n = 0; n < std::min(labels.size(), most); ++n) {
+    const std::string name = Named(absl::StrCat("label ", labels[n]), NameOfLabel(content.file.info, labels[n]));
+    legend.entries.push_back(
+        {PaletteColor(labels[n]),
+         absl::StrFormat("%s: %.1f voxels", name, static_cast<double>(points[n]) / points_of_cell)});
+  }
+  if (labels.size() > most) legend.entries.push_back(Rest(labels.size() - most));
+  legend.entries.push_back({BlendedColor({}, {}, 1), "elsewhere"});
+  return legend;
 }
 
 }  // namespace
@@ -67,6 +94,8 @@ Legend LegendOf(const GridContent& content, ColorBy by, size_t most) {
   if (by == ColorBy::kFraction) return LegendOfFractions(TraitsOf(content).points_of_cell);
   if (by == ColorBy::kNormal) return LegendOfNormals();
   if (by == ColorBy::kPoint) return LegendOfPoints();
+  const FieldValues* const fractions = FindField(content.fields, Field::kLabelFractions);
+  if (by == ColorBy::kLabelFractions && fractions != nullptr) return LegendOfLabels(content, *fractions, most);
   Legend legend;
   const CarriedNames names = ReadCarriedNames(content.file.info);
   for (const FieldValues& values : content.fields) {
@@ -79,7 +108,7 @@ Legend LegendOf(const GridContent& content, ColorBy by, size_t most) {
     if (by == ColorBy::kColor) std::stable_sort(rows.begin(), rows.end(), is_more);
     for (const auto& [number, voxels] : rows) {
       if (legend.entries.size() == most) {
-        legend.entries.push_back({std::nullopt, absl::StrCat("and ", rows.size() - most, " more")});
+        legend.entries.push_back(Rest(rows.size() - most));
         break;
       }
       legend.entries.push_back({by == ColorBy::kColor ? number : PaletteColor(number),

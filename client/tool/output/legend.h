@@ -25,7 +25,7 @@ struct Legend {
 };
 
 // Returns the legend of the colors that ColorsOf gives the voxels. Parts and materials come in order, colors by their
-// number of voxels.
+// number of voxels. A label of fractions has the number of voxels that it would fill.
 //   most   entries; another one tells how many are left out
 Legend LegendOf(const GridContent& content, ColorBy by, size_t most);
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <span>
+#include <numeric>
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
@@ -63,6 +63,10 @@ uint32_t ColorAt(const FieldValues& values, size_t n, ColorBy by, const VoxelTra
     }
     case ColorBy::kFraction:
       return FractionColor(NumberAt(values, n), traits.points_of_cell);
+    case ColorBy::kLabelFractions: {
+      const size_t labels = values.labels.size();
+      return BlendedColor(values.labels, values.As<uint16_t>().subspan(n * labels, labels), traits.points_of_cell);
+    }
     case ColorBy::kColor:
       return NumberAt(values, n);
     default:
@@ -89,8 +93,8 @@ std::optional<Field> FieldOf(ColorBy by) {
 }  // namespace
 
 const char* NameOf(ColorBy by) {
-  constexpr const char* kNames[] = {"none",     "part",  "material", "color",   "distance",
-                                    "triangle", "point", "normal",   "fraction"};
+  constexpr const char* kNames[] = {"none",     "part",  "material", "color",    "distance",
+                                    "triangle", "point", "normal",   "fraction", "label_fractions"};
   return kNames[static_cast<size_t>(by)];
 }
 
@@ -118,6 +122,18 @@ uint32_t FractionColor(uint32_t fraction, uint32_t points_of_cell) {
   return Between(kViridis, static_cast<double>(fraction) / points_of_cell);
 }
 
+uint32_t BlendedColor(std::span<const uint32_t> labels, std::span<const uint16_t> points, uint32_t points_of_cell) {
+  const uint64_t of_labels = std::accumulate(points.begin(), points.end(), uint64_t{0});
+  const uint64_t all = std::max<uint64_t>(of_labels, points_of_cell);
+  uint32_t color = 0;
+  for (const int shift : {16, 8, 0}) {
+    uint64_t level = (all - of_labels) * 0xFF;
+    for (size_t n = 0; n < labels.size(); ++n) level += points[n] * (PaletteColor(labels[n]) >> shift & 0xFF);
+    color |= static_cast<uint32_t>((level + all / 2) / all) << shift;
+  }
+  return color;
+}
+
 uint32_t NormalColor(const std::array<float, 3>& normal) {
   return ColorOf({(normal[0] + 1) / 2, (normal[1] + 1) / 2, (normal[2] + 1) / 2});
 }
@@ -128,8 +144,8 @@ absl::StatusOr<std::vector<uint32_t>> ColorsOf(const BrickBatch& batch, const Vo
   std::vector<uint32_t> colors;
   if (by == ColorBy::kNone) return colors;
   const FieldValues* const values = FindField(batch.fields, *FieldOf(by));
-  const bool lacks_range =
-      (by == ColorBy::kDistance && !traits.distances) || (by == ColorBy::kFraction && traits.points_of_cell == 0);
+  const bool of_cell = by == ColorBy::kFraction || by == ColorBy::kLabelFractions;
+  const bool lacks_range = (by == ColorBy::kDistance && !traits.distances) || (of_cell && traits.points_of_cell == 0);
   if (values == nullptr || lacks_range) {
     return absl::InvalidArgumentError(absl::StrCat("the voxels have no ", NameOf(by)));
   }

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -15,7 +16,18 @@
 namespace latvox::client {
 
 // A color is a number: red << 16 | green << 8 | blue, sRGB.
-enum class ColorBy { kNone, kPart, kMaterial, kColor, kDistance, kTriangle, kPoint, kNormal, kFraction };
+enum class ColorBy {
+  kNone,
+  kPart,
+  kMaterial,
+  kColor,
+  kDistance,
+  kTriangle,
+  kPoint,
+  kNormal,
+  kFraction,
+  kLabelFractions
+};
 
 // Returns "none", or the name of the field.
 const char* NameOf(ColorBy by);
@@ -24,7 +36,7 @@ const char* NameOf(ColorBy by);
 struct VoxelTraits {
   std::vector<Field> fields = {};
   std::optional<DistanceRange> distances = std::nullopt;  // absent: distances give no colors
-  uint32_t points_of_cell = 0;                            // the greatest fraction; 0: fractions give no colors
+  uint32_t points_of_cell = 0;                            // the greatest fraction; 0: no fractions give colors
 };
 
 // Returns those of a file.
@@ -44,6 +56,11 @@ uint32_t DistanceColor(float distance, const DistanceRange& range);
 
 // Returns the color of a fraction: viridis from 0 to the number of points of a cell.
 uint32_t FractionColor(uint32_t fraction, uint32_t points_of_cell);
+
+// Returns the color of a cell that several labels share: the mean of their palette's colors, weighted by their points.
+// Points that have none of these labels are white.
+//   points   of each label
+uint32_t BlendedColor(std::span<const uint32_t> labels, std::span<const uint16_t> points, uint32_t points_of_cell);
 
 // Returns the color of a normal: each component from -1 to 1 becomes red, green or blue from 0 to 255.
 uint32_t NormalColor(const std::array<float, 3>& normal);

@@ -142,6 +142,7 @@ std::string Bytes(const std::vector<Brick>& bricks) {
 }
 
 const char* KindOf(const Paint& paint) {
+  if (paint.is_mix) return "none";
   if (paint.values.empty()) return "rgb";
   return paint.has_floats ? "float32" : "uint32";
 }

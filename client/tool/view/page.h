@@ -18,7 +18,7 @@ inline constexpr uint64_t kMaxPageVoxels = 4'000'000;
 //   data     JSON, see below
 //   bricks   base64: brick_ijk and mask of each brick, 76 bytes, little-endian
 //   colors   base64: for each of the paints, red, green and blue of each voxel
-//   values   base64: for each of the paints except colors, the value of each voxel, 4 bytes
+//   values   base64: for each of the paints with uint32 or float32, the value of each voxel, 4 bytes
 //
 // Fields of the JSON:
 //
@@ -30,11 +30,11 @@ inline constexpr uint64_t kMaxPageVoxels = 4'000'000;
 //   axes              directions of the world's axes in this frame
 //   facets            of a cell: normal, corners relative to its center, and step to the neighbor behind it
 //   paints            choices of colors: name, legend, whether the legend is a ramp, and type of the values: rgb (the
-//                     colors themselves), uint32 or float32; the first is the default
+//                     colors themselves), none, uint32 or float32; the first is the default
 //   band              whether these are the voxels of a band
 //
-// Errors: RESOURCE_EXHAUSTED: more voxels than kMaxPageVoxels, or farther apart than 65536; a basis so skewed that a
-// step to a neighbor is more than 8 along an axis.
+// Errors: RESOURCE_EXHAUSTED: more voxels than kMaxPageVoxels, or farther apart than 65536; more colors than
+// kMaxPageColors of paints.h; a basis so skewed that a step to a neighbor is more than 8 along an axis.
 absl::StatusOr<std::string> ViewPage(const GridContent& content, const std::string& title, UpAxis up);
 
 }  // namespace latvox::client

@@ -3,7 +3,9 @@
 #include <bit>
 #include <cstdint>
 
+#include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "client/tool/output/labels.h"
 #include "client/tool/output/legend.h"
 #include "client/tool/output/voxel_colors.h"
 
@@ -14,11 +16,21 @@ constexpr size_t kMostEntries = 24;  // in a legend
 
 // Returns nothing for a field that gives no colors.
 std::optional<ColorBy> ByOf(Field field) {
-  for (const ColorBy by :
-       {ColorBy::kPart, ColorBy::kMaterial, ColorBy::kColor, ColorBy::kDistance, ColorBy::kFraction}) {
+  for (const ColorBy by : {ColorBy::kPart, ColorBy::kMaterial, ColorBy::kColor, ColorBy::kDistance, ColorBy::kFraction,
+                           ColorBy::kLabelFractions}) {
     if (absl::string_view(NameOf(by)) == NameOf(field)) return by;
   }
   return std::nullopt;
+}
+
+absl::Status CheckSize(const GridContent& content) {
+  uint64_t paints = 0;
+  for (const FieldValues& values : content.fields) paints += ByOf(values.field) ? 1 + values.labels.size() : 0;
+  const uint64_t voxels = content.file.info.active_voxels;
+  if (paints == 0 || voxels <= kMaxPageColors / paints) return absl::OkStatus();
+  return absl::ResourceExhaustedError(absl::StrCat(voxels, " voxels with ", paints,
+                                                   " choices of colors exceed the limit of ", kMaxPageColors,
+                                                   " of a page; carry fewer labels (--fraction-labels) or fields"));
 }
 
 absl::StatusOr<Paint> PaintOf(const GridContent& content, ColorBy by) {
@@ -49,9 +61,27 @@ std::string FourBytesEach(const FieldValues& values) {
   return bytes;
 }
 
+void SetValues(const FieldValues& values, Paint& paint) {
+  paint.is_mix = FactsOf(values.field).is_of_labels();
+  if (paint.is_mix || values.field == Field::kColor) return;
+  paint.values = FourBytesEach(values);
+  paint.has_floats = FactsOf(values.field).type == NumberType::kFloat32;
+}
+
+absl::StatusOr<Paint> PaintOfLabel(const GridContent& content, const FieldValues& fractions, uint32_t label) {
+  const GridContent alone{.file = {content.file.info, {}}, .fields = {FractionOf(fractions, {{label}})}};
+  auto paint = PaintOf(alone, ColorBy::kFraction);
+  if (!paint.ok()) return paint.status();
+  const std::string name = NameOfLabel(content.file.info, label);
+  paint->name = name.empty() ? FractionName(label) : absl::StrCat(FractionName(label), " (", name, ")");
+  SetValues(alone.fields.front(), *paint);
+  return paint;
+}
+
 }  // namespace
 
 absl::StatusOr<std::vector<Paint>> PaintsOf(const GridContent& content) {
+  if (auto status = CheckSize(content); !status.ok()) return status;
   const ColorBy first = DefaultColorBy(TraitsOf(content));
   std::vector<Paint> paints;
   const auto add = [&](absl::StatusOr<Paint> paint, bool is_first) {
@@ -63,11 +93,11 @@ absl::StatusOr<std::vector<Paint>> PaintsOf(const GridContent& content) {
     const std::optional<ColorBy> by = ByOf(values.field);
     if (!by) continue;
     auto paint = PaintOf(content, *by);
-    if (paint.ok() && by != ColorBy::kColor) {
-      paint->values = FourBytesEach(values);
-      paint->has_floats = FactsOf(values.field).type == NumberType::kFloat32;
-    }
+    if (paint.ok()) SetValues(values, *paint);
     if (auto status = add(std::move(paint), by == first); !status.ok()) return status;
+    for (const uint32_t label : values.labels) {
+      if (auto status = add(PaintOfLabel(content, values, label), false); !status.ok()) return status;
+    }
   }
   return paints;
 }

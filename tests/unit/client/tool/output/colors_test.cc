@@ -1,8 +1,10 @@
 #include <gmock/gmock.h>
 
 #include "client/grid/openvdb_trees.h"
+#include "client/tool/output/labels.h"
 #include "client/tool/output/picture_scene.h"
 #include "client/tool/output/voxel_colors.h"
+#include "client/tool/view/paints.h"
 #include "latvox/grid/distance_grid.h"
 #include "latvox/grid/field_grids.h"
 #include "latvox/grid/grid_content.h"
@@ -75,6 +77,65 @@ TEST_F(Content, FractionsGiveColorsByThePointsOfACell) {
   }
   content.file.info.metadata = {{"latvox_fraction_n", "16"}};
   EXPECT_EQ(TraitsOf(content).points_of_cell, 4096U);
+}
+
+TEST_F(Content, FractionsOfLabelsMixTheirColors) {
+  FieldValues fractions = ValuesOf<uint16_t>(Field::kLabelFractions, {8, 0, 0, 0, 4, 4, 2, 2});
+  fractions.labels = {3, 12};
+  const std::vector<FieldValues> fields{fractions};
+  const BrickBatch batch{kBricks, 1, fields};
+  // 0xF0E442 is the color of label 3, and 0xE69F00 that of label 12. The rest of a cell is white.
+  EXPECT_THAT(*ColorsOf(batch, {{Field::kLabelFractions}, {}, 8}, ColorBy::kLabelFractions),
+              ElementsAre(0xF0E442, 0xFFFFFF, 0xEBC221, 0xF5E090));
+  EXPECT_FALSE(ColorsOf(batch, {{Field::kLabelFractions}}, ColorBy::kLabelFractions).ok());
+}
+
+TEST(Labels, HaveFractionsAloneAndTogether) {
+  FieldValues fractions = ValuesOf<uint16_t>(Field::kLabelFractions, {8, 0, 1, 2, 3, 4});
+  fractions.labels = {3, 12, 5};
+  EXPECT_EQ(FractionOf(fractions, {{12}}), ValuesOf<uint16_t>(Field::kFraction, {0, 3}));
+  EXPECT_EQ(FractionOf(fractions, {{5, 3, 99}}), ValuesOf<uint16_t>(Field::kFraction, {9, 6}));
+}
+
+TEST(Labels, HaveTheNamesOfTheFieldThatTheRequestNames) {
+  GridFileInfo info;
+  info.metadata = {{"latvox_part_names", R"(["lid"])"}, {"latvox_material_names", R"(["steel"])"}};
+  EXPECT_EQ(NameOfLabel(info, 0), "lid");
+  for (const char* request : {R"({"labels":"part"})", "{}", "[]", "x"}) {
+    info.metadata.resize(2);
+    info.metadata.emplace_back("latvox_request", request);
+    EXPECT_EQ(NameOfLabel(info, 0), "lid") << request;
+  }
+  info.metadata.back().second = R"({"labels":"material"})";
+  EXPECT_EQ(NameOfLabel(info, 0), "steel");
+  EXPECT_EQ(NameOfLabel(info, 1), "");
+}
+
+TEST(Paints, AreForAllLabelsAndForEach) {
+  GridContent content;
+  content.file.info.metadata = {{"latvox_fraction_n", "2"}, {"latvox_part_names", R"(["", "lid"])"}};
+  content.fields = {ValuesOf<uint16_t>(Field::kLabelFractions, {8, 0, 4, 2})};
+  content.fields[0].labels = {7, 1};
+  const auto paints = PaintsOf(content);
+  ASSERT_TRUE(paints.ok()) << paints.status();
+  ASSERT_EQ(paints->size(), 3U);
+  EXPECT_TRUE((*paints)[0].is_mix && (*paints)[0].values.empty());
+  EXPECT_THAT((std::vector{(*paints)[0].name, (*paints)[1].name, (*paints)[2].name}),
+              ElementsAre("label_fractions", "fraction_7", "fraction_1 (lid)"));
+  EXPECT_EQ((*paints)[1].values, std::string("\x8\0\0\0\4\0\0\0", 8));
+  EXPECT_EQ((*paints)[2].values, std::string("\0\0\0\0\2\0\0\0", 8));
+  EXPECT_TRUE((*paints)[2].is_ramp);
+}
+
+TEST(Paints, AreLimited) {
+  GridContent content;
+  content.file.info.metadata = {{"latvox_fraction_n", "2"}};
+  content.file.info.active_voxels = kMaxPageColors / 3;
+  content.fields = {{Field::kLabelFractions, {}, 0, {7, 1}}};
+  EXPECT_TRUE(PaintsOf(content).ok());
+  ++content.file.info.active_voxels;
+  EXPECT_THAT(std::string(PaintsOf(content).status().message()),
+              HasSubstr("6666667 voxels with 3 choices of colors exceed the limit of 20000000 of a page"));
 }
 
 TEST_F(Content, ASkinKeepsTheColorsOfItsVoxels) {

@@ -133,6 +133,22 @@ TEST(Legend, CountsVoxels) {
   EXPECT_THAT(texts(ColorBy::kPoint, 9), ElementsAre("corner 1", "corner 2", "corner 3"));
 }
 
+TEST(Legend, OfFractionsOfLabelsSaysHowManyVoxelsTheyWouldFill) {
+  GridContent content;
+  content.file.info.metadata = {{"latvox_fraction_n", "2"}, {"latvox_part_names", R"(["", "lid"])"}};
+  content.fields = {ValuesOf<uint16_t>(Field::kLabelFractions, {8, 0, 4, 2, 0, 8, 0, 1})};
+  content.fields[0].labels = {7, 1};
+  const auto texts = [&](size_t most) {
+    std::vector<std::string> found;
+    for (const LegendEntry& entry : LegendOf(content, ColorBy::kLabelFractions, most).entries) {
+      found.push_back(entry.text);
+    }
+    return found;
+  };
+  EXPECT_THAT(texts(9), ElementsAre("label 7: 1.5 voxels", "label 1 (lid): 1.4 voxels", "elsewhere"));
+  EXPECT_THAT(texts(1), ElementsAre("label 7: 1.5 voxels", "and 1 more", "elsewhere"));
+}
+
 TEST(Legend, OfABandIsARamp) {
   const DistanceRange range{.most = 0.25, .is_signed = true};
   GridContent content;
