@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "absl/strings/str_format.h"
+#include "core/lattice/cube_root.h"
 
 namespace latvox {
 namespace {
@@ -52,11 +53,9 @@ std::string_view NameOfBasis(const Mat3d& basis) {
 
 std::string_view NameOfBasis(const Mat2d&) { return "basis"; }
 
-// The edge of a cube, or of a square, with a cell's volume. The cube root is rounded once: that of doubles is often
-// wrong by a unit in the last place, and then 0.5 would not be the size of 0.5.
-double EdgeOf(const Mat3d& basis) {
-  return static_cast<double>(std::cbrt(static_cast<long double>(std::abs(Determinant(basis)))));
-}
+// The edge of a cube, or of a square, with a cell's volume. With the library's cube root, 0.5 would not be the size of
+// 0.5, and digests would depend on the library.
+double EdgeOf(const Mat3d& basis) { return CubeRoot(std::abs(Determinant(basis))); }
 double EdgeOf(const Mat2d& basis) { return std::sqrt(std::abs(Determinant(basis))); }
 
 absl::Status DeterminantError() { return absl::InvalidArgumentError("basis: its determinant over- or underflows"); }

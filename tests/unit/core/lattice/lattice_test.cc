@@ -1,6 +1,7 @@
 // Lattices: neighbors, compared with the table and with exact Voronoi cells; frames, scaling, errors.
 #include "core/lattice/lattice.h"
 
+#include <gmpxx.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -11,6 +12,7 @@
 #include <string>
 #include <utility>
 
+#include "core/lattice/cube_root.h"
 #include "tests/oracle/oracle.h"
 #include "tests/unit/dose.h"
 
@@ -258,6 +260,21 @@ TEST(Lattice, NamedOnesHaveUnitCellsAndScaleToAnyOther) {
       const Vec3d unit = Apply(scaled->inverse(), scaled->basis()[column]);
       for (size_t row = 0; row < 3; ++row) EXPECT_NEAR(unit[row], row == column ? 1 : 0, 1e-12);
     }
+  }
+}
+
+TEST(CubeRoot, IsTheNearestDouble) {
+  constexpr unsigned kSeed = 31;
+  std::mt19937_64 random(kSeed);
+  for (int n = 0; n < 40000; ++n) {
+    // All exponents, the least ones, which have fewer digits, and powers of 2.
+    const double x = std::ldexp(static_cast<double>(n % 100 == 0 ? 1 : random() | 1), n % 2090 - 1074);
+    if (!(x > 0 && std::isfinite(x))) continue;
+    const double root = CubeRoot(x);
+    const mpq_class middle_below = (mpq_class(std::nextafter(root, 0.0)) + root) / 2;
+    const mpq_class middle_above = (mpq_class(std::nextafter(root, INFINITY)) + root) / 2;
+    ASSERT_LT(middle_below * middle_below * middle_below, x) << x << ", seed " << kSeed;
+    ASSERT_GT(middle_above * middle_above * middle_above, x) << x << ", seed " << kSeed;
   }
 }
 
