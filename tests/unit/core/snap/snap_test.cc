@@ -240,6 +240,30 @@ TEST(Snap, EveryKernelRoundsAsTheOneExpressionDoes) {
   }
 }
 
+// Compilers may fuse a product with a sum, on ARM and in kernels for AVX2, unless an option forbids it.
+TEST(Snap, RoundsEachProductAndEachSumOnEveryProcessor) {
+  constexpr unsigned kSeed = 29;
+  std::mt19937 random(kSeed);
+  std::uniform_real_distribution<double> number(-90, 90);
+  const auto vector = [&] { return Vec3d{number(random), number(random), number(random)}; };
+  for (int n = 0; n < 100; ++n) {
+    const LatticeMap map{{vector(), vector(), vector()}, {0, 0, 0}};
+    const Vec3d p = vector();
+    Vec3d expected;
+    for (size_t m = 0; m < 3; ++m) {
+      const volatile double a = map.inverse[0][m] * p[0], b = map.inverse[1][m] * p[1], c = map.inverse[2][m] * p[2];
+      const volatile double sum = a + b;
+      expected[m] = sum + c;
+    }
+    const std::vector<Vec3d> copies(9, p);  // some in vectors, one alone
+    WithEachSimd([&] {
+      const LatticeRange range = RangeOf(map, copies.data(), copies.size());
+      EXPECT_EQ(range.min, expected) << kSeed;
+      EXPECT_EQ(range.max, expected) << kSeed;
+    });
+  }
+}
+
 TEST(Snap, TakesTheMemoryOfAMeshThatIsHandedOver) {
   TriangleMesh mesh = OneTriangle({0, 0, 0}, {5, 0, 0}, {0, 7, 1});
   const void* const vertices = mesh.vertices.data();
