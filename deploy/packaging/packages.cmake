@@ -36,7 +36,7 @@ pictures.
 
 This package has the command line tool, its manual page, and completions for
 shells."
-    DEPENDS "latvoxd (= ${version})" SUGGESTS "glmark2-data, libcurl4 | libcurl4t64")
+    DEPENDS "latvoxd (= ${version})" SUGGESTS "glmark2-data, libcurl4 | libcurl4t64, libhdf5-103-1 | libhdf5-310")
 endif()
 if(LATVOX_BUILD_SERVER)
   latvox_add_package(server latvoxd SECTION science

@@ -84,6 +84,17 @@ class Image(Case):
         self.assertEqual(done.returncode, 2)
         self.assertIn("refusing to listen on 0.0.0.0:50151", done.stderr)
 
+    def test_the_tool_finds_the_libraries_that_it_loads_late(self):
+        self.dir.chmod(0o777)
+        (self.dir / "bunny.obj").write_bytes(BUNNY.read_bytes())
+        tool = ["podman", "run", "--rm", "--network=none", *CONFINED, f"--volume={self.dir}:/work", "--workdir=/work"]
+        tool += ["--tmpfs=/tmp", "--entrypoint=latvox", IMAGE, "voxelize"]
+        run(*tool, "bunny.obj", "-o", "bunny.h5", *SHORT)
+        self.assertEqual(json.loads(latvox("info", self.dir / "bunny.h5", "--json").stdout)["digest"], self.expected(SHORT))
+        done = run(*tool, "http://127.0.0.1:1/bunny.obj", "-o", "bunny.csv", *SHORT, check=False)
+        self.assertIn("http://127.0.0.1:1/bunny.obj", done.stderr)
+        self.assertNotIn("cannot be loaded", done.stderr)
+
     def test_there_is_no_shell(self):
         done = run("podman", "run", "--rm", "--network=none", *CONFINED, "--entrypoint", "sh", IMAGE, check=False)
         self.assertEqual(done.returncode, 127, done.stderr)
