@@ -77,9 +77,8 @@ using Float = hn::ScalableTag<float>;
 using Floats = hn::Vec<Float>;
 using Floats3 = std::array<Floats, 3>;
 
-// Triangles in lanes, whose edges are divided by their largest |entry|. That changes no sign. And errors are then
-// relative to the edges, not to the square of their distance. With that, nearly all pairs of long thin triangles were
-// left open.
+// Triangles in lanes, whose edges are divided by their largest |entry|. That changes no sign, and makes errors relative
+// to the edges. Errors relative to the square of the farthest corner left many pairs of long thin triangles open.
 struct ScaledTriangles {
   Floats3 normal;
   std::array<Floats3, 3> moment;  // of the edges
