@@ -30,6 +30,7 @@ class Authority:
         self.directory, self.name = directory, name
         self.root = directory / f"{name}.crt"
         openssl("req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes", "-days", 2,
+                "-addext", "keyUsage=critical,keyCertSign,cRLSign",  # Python 3.13 believes no other root
                 "-subj", f"/CN={name}", "-keyout", directory / f"{name}.key", "-out", self.root)
 
     def issue(self, name, subject, *extensions):
