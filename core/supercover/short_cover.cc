@@ -39,7 +39,7 @@ namespace {
 
 // Adds half-spaces with normals (i, j, k), those with `wanted`. Half a lattice unit decides ties: see RowBounds.
 // Returns false if doubles are not good enough for one of them.
-HWY_INLINE bool Add(const Four3& normal, Four room_lat, const std::array<bool, 4>& wanted, double max_row,
+HWY_INLINE bool Add(const Four3& normal, const Four& room_lat, const std::array<bool, 4>& wanted, double max_row,
                     RowBounds::Sides& sides) {
   const auto& [i, j, k] = normal;
   const Four room = (room_lat + 0.5) * (1.0 / kLatticeUnit), size = k < 0 ? -k : k;
