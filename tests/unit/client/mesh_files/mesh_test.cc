@@ -306,10 +306,11 @@ TEST(MeshFormat, IsToldByTheFirstBytes) {
 
 TEST(ZipArchive, UnpacksNoMoreThanTheLimit) {
   // An entry "a" of a thousand letters in 11 bytes.
-  const std::string bytes = absl::HexStringToBytes(
-      "504b03041400000008000000210003da389a0b000000e803000001000000614b4c1c05a360140c770000504b010214031400000008000000"
-      "2100"
-      "03da389a0b000000e803000001000000000000000000000080010000000061504b050600000000010001002f0000002a0000000000");
+  std::string bytes;
+  ASSERT_TRUE(
+      absl::Base64Unescape("UEsDBBQAAAAIAAAAIQAD2jiaCwAAAOgDAAABAAAAYUtMHAWjYBQMdwAAUEsBAhQDFAAAAAgAAA"
+                           "AhAAPaOJoLAAAA6AMAAAEAAAAAAAAAAAAAAIABAAAAAGFQSwUGAAAAAAEAAQAvAAAAKgAAAAAA",
+                           &bytes));
   auto wide = ZipArchive::Open(bytes, 1000);
   ASSERT_TRUE(wide.ok()) << wide.status();
   EXPECT_EQ(wide->Read("a").value(), std::string(1000, 'a'));

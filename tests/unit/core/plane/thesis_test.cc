@@ -31,7 +31,8 @@ TEST(IncrementalLines, HaveExactlyOnePixelOnEveryLatticeLineAlongThePrincipalDir
     for (int k = 0; k < 2; ++k) {
       for (const Segment& segment : RandomPixelSegments(21)) {
         const Vec2l d{segment.b_lat[0] - segment.a_lat[0], segment.b_lat[1] - segment.a_lat[1]};
-        const PlaneFrame& frame = PrincipalFrame(l.lattice.frames(k), {-d[1], d[0]});
+        const Vec2l normal{-d[1], d[0]};
+        const PlaneFrame& frame = PrincipalFrame(l.lattice.frames(k), normal);
         std::multiset<int32_t> lines, expected;
         const auto pixels = IncrementalLines({segment}, l.lattice, k);
         for (const Vec2i& ij : pixels) lines.insert(Dot(frame.r[0], ij));
@@ -40,8 +41,7 @@ TEST(IncrementalLines, HaveExactlyOnePixelOnEveryLatticeLineAlongThePrincipalDir
         for (int32_t a = first; a <= last; ++a) expected.insert(a);
         EXPECT_EQ(lines, expected) << l.name << " k " << k;
         // Theorem 1's inequality, for each of them.
-        Vec2l n{-d[1], d[0]};
-        if (!FirstNonzeroIsPositive(n)) n = -n;
+        const Vec2l n = FirstNonzeroIsPositive(normal) ? normal : -normal;
         const int64_t twice_t = std::abs(Dot(n, frame.q)) * kLatticeUnit;
         for (const Vec2i& ij : pixels) {
           const Vec2l from{ij[0] * kLatticeUnit - segment.a_lat[0], ij[1] * kLatticeUnit - segment.a_lat[1]};
