@@ -101,7 +101,8 @@ TEST(JobMemory, ReservesForLabels) {
   const VoxelRequest plain = filled(true, std::nullopt), labeled = filled(true, Field::kPart);
   EXPECT_EQ(ReservedForMesh(labeled, kThreads, kTriangles, kVertices),
             ReservedForMesh(plain, kThreads, kTriangles, kVertices) + kTriangles * 8);
-  const JobEstimate estimate{.line_crossings = 1000};
+  JobEstimate estimate;
+  estimate.line_crossings = 1000;
   EXPECT_EQ(AddedForJob(labeled, estimate), AddedForJob(plain, estimate) + 3 * 12 * kMebibyte + 1000 * 24);
 }
 
