@@ -13,6 +13,10 @@ PackedPieces Pack(const HaloBox& box, const RowPieces& pieces) {
   size_t before = 0;  // the begin of the last row that did not repeat
   std::array<uint8_t, 1 + 3 * kTileSide> row;
   for (size_t n = 0; n < size_t{kTileSide} * kTileSide; ++n) {
+    if (n % kTileSide != 0 && pieces.Repeats(box.RowOfTile(n))) {
+      packed.push_back(0);
+      continue;
+    }
     size_t size = 1;
     for (const FreeRun& run : pieces.RunsOf(box.RowOfTile(n))) {
       const int32_t first = std::max(run.first - box.halo[2], 0),

@@ -1,8 +1,34 @@
 #include "core/walk/row_pieces.h"
 
 #include <algorithm>
+#include <cstdlib>
+#include <numeric>
 
 namespace latvox {
+namespace {
+
+bool IsStraight(const RowStep& step) { return step.dp == 0 && step.dr == 1 && step.low <= 0 && step.high >= 0; }
+
+// Whether each step across a plane and a row is also a step across the row alone, then one across the plane alone, and
+// the reverse.
+bool HasWaysAround(const RowStep& step, const RowSteps& steps) {
+  const auto crosses_plane = [&](const RowStep& other) {
+    return other.dp == step.dp && other.dr == 0 && other.low <= step.low && other.high >= step.high;
+  };
+  return step.dp != 0 && std::abs(step.dr) == 1 && std::ranges::any_of(steps.between, IsStraight) &&
+         std::ranges::any_of(steps.between, crosses_plane);
+}
+
+// Whether the step leads from one of these points to one of those.
+bool Leads(WideRow from, WideRow to, const RowStep& step) {
+  if (from == 0 || to == 0) return false;
+  for (int32_t by = step.low; by <= step.high; ++by) {
+    if (((by < 0 ? from >> -by : from << by) & to) != 0) return true;
+  }
+  return false;
+}
+
+}  // namespace
 
 inline uint32_t RowPieces::Root(uint32_t run) {
   while (parents_[run] != run) run = parents_[run] = parents_[parents_[run]];
@@ -16,21 +42,28 @@ void RowPieces::Unite(uint32_t a, uint32_t b) {
 }
 
 // Unites runs where a step leads from one to the other.
-inline void RowPieces::UniteRows(size_t row, size_t other, const RowStep& step) {
+inline void RowPieces::UniteRows(const RunRange& row, const RunRange& other, const RowStep& step) {
   const FreeRun* const runs = runs_.data();
-  uint32_t first = starts_[other];
-  const uint32_t end = starts_[other + 1], end_of_row = starts_[row + 1];
-  for (uint32_t a = starts_[row]; a < end_of_row; ++a) {
+  uint32_t first = other.first;
+  for (uint32_t a = row.first; a < row.end; ++a) {
     const int32_t low = runs[a].first + step.low, high = runs[a].last + step.high;
-    while (first < end && runs[first].last < low) ++first;
-    for (uint32_t b = first; b < end && runs[b].first <= high; ++b) {
+    while (first < other.end && runs[first].last < low) ++first;
+    for (uint32_t b = first; b < other.end && runs[b].first <= high; ++b) {
       if (parents_[a] != parents_[b]) Unite(a, b);
     }
   }
 }
 
+// Unites the runs of two rows that are equal.
+inline void RowPieces::UnitePairs(const RunRange& row, const RunRange& other) {
+  for (uint32_t a = row.first, b = other.first; a < row.end; ++a, ++b) {
+    if (parents_[a] != parents_[b]) Unite(a, b);
+  }
+}
+
 // Near a surface, most rows repeat the row before them. If a step leads straight from one to the other, their runs are
-// united one by one. Two rows that both repeat have nothing to add to the rows before them.
+// united one by one. Two rows that both repeat have nothing to add to the rows before them. A step with two ways around
+// adds something only where a wall blocks both.
 void RowPieces::Find(std::span<const WideRow> free, int32_t rows_per_plane, const RowSteps& steps) {
   const auto per_plane = static_cast<size_t>(rows_per_plane), planes = free.size() / per_plane;
   ListRuns(free, per_plane, steps);
@@ -38,11 +71,22 @@ void RowPieces::Find(std::span<const WideRow> free, int32_t rows_per_plane, cons
     const auto first = static_cast<size_t>(std::max(-step.dr, 0));
     const auto end = static_cast<size_t>(std::max(rows_per_plane - std::max(step.dr, 0), 0));
     const ptrdiff_t ahead = static_cast<ptrdiff_t>(step.dp) * rows_per_plane + step.dr;
+    const bool has_ways_around = HasWaysAround(step, steps);
+    // A step of one bit at most does not lead over a wall between two runs.
+    const bool pairs_suffice = steps.along && step.low >= -1 && step.low <= 0 && step.high >= 0 && step.high <= 1;
     for (size_t plane = 0; plane + static_cast<size_t>(step.dp) < planes; ++plane) {
       for (size_t row = plane * per_plane + first; row < plane * per_plane + end; ++row) {
         const auto other = static_cast<size_t>(static_cast<ptrdiff_t>(row) + ahead);
         if (repeats_[row] != 0 && repeats_[other] != 0 && row != plane * per_plane + first) continue;
-        UniteRows(row, other, step);
+        if (has_ways_around) {
+          const auto dr = static_cast<size_t>(step.dr);  // wraps around, as size_t does
+          if (!Leads(free[row] & ~free[row + dr], free[other] & ~free[other - dr], step)) continue;
+        }
+        if (pairs_suffice && free[row] == free[other]) {
+          UnitePairs(ranges_[row], ranges_[other]);
+        } else {
+          UniteRows(ranges_[row], ranges_[other], step);
+        }
       }
     }
   }
@@ -53,31 +97,29 @@ void RowPieces::Find(std::span<const WideRow> free, int32_t rows_per_plane, cons
 }
 
 void RowPieces::ListRuns(std::span<const WideRow> free, size_t rows_per_plane, const RowSteps& steps) {
-  const bool has_straight = std::any_of(steps.between.begin(), steps.between.end(), [](const RowStep& step) {
-    return step.dp == 0 && step.dr == 1 && step.low <= 0 && step.high >= 0;
-  });
+  const bool has_straight = std::ranges::any_of(steps.between, IsStraight);
   runs_.clear();
-  parents_.clear();
-  starts_.assign(1, 0);
+  ranges_.clear();
   repeats_.assign(free.size(), 0);
-  for (size_t n = 0; n < free.size(); ++n) {
-    WideRow row = free[n];
-    if (has_straight && n % rows_per_plane != 0 && row == free[n - 1]) {
-      repeats_[n] = 1;
-      for (uint32_t run = starts_[n - 1]; run < starts_[n]; ++run) {
-        runs_.push_back(FreeRun(runs_[run]));
-        parents_.push_back(uint32_t{parents_[run]});
+  for (size_t plane = 0; plane < free.size(); plane += rows_per_plane) {
+    for (size_t n = plane; n < plane + rows_per_plane; ++n) {
+      WideRow row = free[n];
+      if (has_straight && n != plane && row == free[n - 1]) {
+        repeats_[n] = 1;
+        ranges_.push_back(RunRange(ranges_.back()));
+        continue;
       }
-    } else {
+      const auto begin = static_cast<uint32_t>(runs_.size());
       while (row != 0) {
         const int32_t first = LowestBit(row), length = steps.along ? LowestBit(~(row >> first)) : 1;
-        parents_.push_back(static_cast<uint32_t>(runs_.size()));
         runs_.push_back({first, first + length - 1, 0});
         row &= ~(FirstBits(length) << first);
       }
+      ranges_.push_back({begin, static_cast<uint32_t>(runs_.size())});
     }
-    starts_.push_back(static_cast<uint32_t>(runs_.size()));
   }
+  parents_.resize(runs_.size());
+  std::iota(parents_.begin(), parents_.end(), 0U);
 }
 
 uint32_t RowPieces::PieceAt(size_t row, int32_t bit) const {

@@ -38,26 +38,32 @@ class RowPieces {
   void Find(std::span<const WideRow> free, int32_t rows_per_plane, const RowSteps& steps);
 
   uint32_t count() const { return count_; }
-  size_t rows() const { return starts_.size() - 1; }
+  size_t rows() const { return ranges_.size(); }
   // The runs of a row, ascending; single points if no step leads along rows.
   std::span<const FreeRun> RunsOf(size_t row) const {
-    return {runs_.data() + starts_[row], runs_.data() + starts_[row + 1]};
+    return {runs_.data() + ranges_[row].first, runs_.data() + ranges_[row].end};
   }
+  // Whether a row has the runs and the pieces of the row before it in its plane. False says nothing.
+  bool Repeats(size_t row) const { return repeats_[row] != 0; }
   // Returns the piece of a free point.
   uint32_t PieceAt(size_t row, int32_t bit) const;
 
-  size_t Bytes() const { return BytesOf(runs_) + BytesOf(starts_) + BytesOf(parents_) + BytesOf(repeats_); }
+  size_t Bytes() const { return BytesOf(runs_) + BytesOf(ranges_) + BytesOf(parents_) + BytesOf(repeats_); }
 
  private:
+  struct RunRange {
+    uint32_t first, end;
+  };
   uint32_t Root(uint32_t run);
   void Unite(uint32_t a, uint32_t b);
   void ListRuns(std::span<const WideRow> free, size_t rows_per_plane, const RowSteps& steps);
-  void UniteRows(size_t row, size_t other, const RowStep& step);
+  void UniteRows(const RunRange& row, const RunRange& other, const RowStep& step);
+  void UnitePairs(const RunRange& row, const RunRange& other);
 
   std::vector<FreeRun> runs_;
-  std::vector<uint32_t> starts_{0};  // of rows among the runs, and the end
-  std::vector<uint32_t> parents_;    // of runs: the root of a piece is its first run
-  std::vector<uint8_t> repeats_;     // rows equal to the row before them in their plane, with runs that are united
+  std::vector<RunRange> ranges_;   // of rows; those that repeat share their runs
+  std::vector<uint32_t> parents_;  // of runs: the root of a piece is its first run
+  std::vector<uint8_t> repeats_;   // of rows: whether it is equal to the row before it in its plane, and united with it
   uint32_t count_ = 0;
 };
 

@@ -23,24 +23,30 @@ TilePieces PieceScan::Find(const WalkSteps& steps, const HaloBox& box, std::span
   const size_t first = out.numbers_.size();
   out.numbers_.resize(first + 2 * size_t{pieces_.count()});
   out.numbers_.shrink_to_fit();
+  CountPoints(box, mesh_box, std::span(out.numbers_).subspan(first));
+  return out;
+}
+
+// Rows that repeat are counted together.
+//   numbers   of pieces: their points in the tile, and whether they have others outside of the mesh's box
+void PieceScan::CountPoints(const HaloBox& box, const IndexBox& mesh_box, std::span<uint32_t> numbers) const {
   for (int32_t i = 0; i < box.side[0]; ++i) {
-    for (int32_t j = 0; j < box.side[1]; ++j) {
+    const bool plane_in_tile = i >= box.halo[0] && i < box.side[0] - box.halo[0];
+    for (int32_t j = 0, end = 0; j < box.side[1]; j = end) {
+      for (end = j + 1; end < box.side[1] && pieces_.Repeats(box.RowOf(i, end));) ++end;
       const Vec3i at = box.low + Vec3i{i, j, 0};
-      const bool row_in_box = mesh_box.Contains({at[0], at[1], mesh_box.min[2]});
-      const bool row_in_tile =
-          i >= box.halo[0] && i < box.side[0] - box.halo[0] && j >= box.halo[1] && j < box.side[1] - box.halo[1];
+      const bool rows_in_box = mesh_box.Contains({at[0], at[1], mesh_box.min[2]}) &&
+                               mesh_box.Contains({at[0], at[1] + end - 1 - j, mesh_box.min[2]});
+      const int32_t rows = std::min(end, box.side[1] - box.halo[1]) - std::max(j, box.halo[1]);
+      const int32_t rows_in_tile = plane_in_tile ? std::max(rows, 0) : 0;
       for (const FreeRun& run : pieces_.RunsOf(box.RowOf(i, j))) {
-        uint32_t* const of_piece = &out.numbers_[first + 2 * size_t{run.piece}];
-        if (row_in_tile) {
-          const int32_t begin = std::max(run.first, box.halo[2]),
-                        last = std::min(run.last, box.halo[2] + kTileSide - 1);
-          of_piece[0] += static_cast<uint32_t>(std::max(last - begin + 1, 0));
-        }
-        if (!row_in_box || at[2] + run.first < mesh_box.min[2] || at[2] + run.last >= mesh_box.max[2]) of_piece[1] = 1;
+        uint32_t* const of_piece = &numbers[2 * size_t{run.piece}];
+        const int32_t first = std::max(run.first, box.halo[2]), last = std::min(run.last, box.halo[2] + kTileSide - 1);
+        of_piece[0] += static_cast<uint32_t>(rows_in_tile * std::max(last - first + 1, 0));
+        if (!rows_in_box || at[2] + run.first < mesh_box.min[2] || at[2] + run.last >= mesh_box.max[2]) of_piece[1] = 1;
       }
     }
   }
-  return out;
 }
 
 // The rows of a slab across i or j lie along k, and those of a slab across k lie along j, so that they are few.
@@ -49,11 +55,14 @@ void PieceScan::AddPatches(const WalkSteps& steps, const HaloBox& box, size_t ax
   const int32_t thickness = 2 * box.halo[axis], low = side == 0 ? 0 : box.side[axis] - thickness;
   slab_.clear();
   if (axis == 2) {
-    slab_.resize(static_cast<size_t>(thickness) * static_cast<size_t>(box.side[0]));
+    slab_.assign(static_cast<size_t>(thickness) * static_cast<size_t>(box.side[0]), FirstBits(box.side[1]));
+    const WideRow slab = FirstBits(thickness) << low;
     for (int32_t i = 0; i < box.side[0]; ++i) {
       for (int32_t j = 0; j < box.side[1]; ++j) {
-        const WideRow row = free_[box.RowOf(i, j)] >> low;
-        for (int32_t k = 0; k < thickness; ++k) slab_[static_cast<size_t>(k * box.side[0] + i)] |= (row >> k & 1) << j;
+        WideRow walls = ~free_[box.RowOf(i, j)] & slab;  // most rows have none
+        for (; walls != 0; walls &= walls - 1) {
+          slab_[static_cast<size_t>((LowestBit(walls) - low) * box.side[0] + i)] &= ~(WideRow{1} << j);
+        }
       }
     }
     patches_.Find(slab_, box.side[0], steps.across_k);

@@ -62,6 +62,7 @@ class PieceScan {
   size_t Bytes() const { return BytesOf(free_) + BytesOf(slab_) + pieces_.Bytes() + patches_.Bytes(); }
 
  private:
+  void CountPoints(const HaloBox& box, const IndexBox& mesh_box, std::span<uint32_t> numbers) const;
   void AddPatches(const WalkSteps& steps, const HaloBox& box, size_t axis, size_t side, std::vector<uint32_t>& numbers);
 
   std::vector<WideRow> free_, slab_;
