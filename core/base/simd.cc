@@ -55,7 +55,8 @@ std::string_view SimdInUse() {
   const int64_t targets = Detected() & allowed;
   if ((targets & kAvx512Targets) != 0) return "avx512";
   if ((targets & kAvx2Targets) != 0) return "avx2";
-  return hwy::TargetName(targets & -targets);
+  const int64_t compiled = targets & HWY_TARGETS;  // without SVE, which processors with NEON may have
+  return hwy::TargetName(compiled & -compiled);
 }
 
 }  // namespace latvox

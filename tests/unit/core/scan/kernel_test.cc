@@ -5,6 +5,7 @@
 #include <random>
 #include <set>
 #include <string>
+#include <string_view>
 
 #include "core/digitize/crossing.h"
 #include "core/digitize/star.h"
@@ -17,6 +18,11 @@
 
 namespace latvox {
 namespace {
+
+TEST(Simd, IsNamedAfterKernelsThatAreCompiled) {
+  const std::set<std::string_view> compiled{"scalar", "avx2", "avx512", "NEON"};
+  WithEachSimd([&] { EXPECT_TRUE(compiled.contains(SimdInUse())) << SimdInUse(); });
+}
 
 TEST(Touching, LeavesOutOnlyTrianglesWithoutCrossingsAndMostOfThoseOnEachKernel) {
   const Vec3i tile_min{64, 0, 0};
