@@ -1,5 +1,5 @@
 """Compiles each file of core's kernels for ARM, with the flags of this build and gcc's cross compiler (Debian's package
-g++-12-aarch64-linux-gnu). Nothing runs. Without the compiler the test is skipped, with status 77."""
+g++-aarch64-linux-gnu). `tests/run --arm` also runs them. Without the compiler the test is skipped, with status 77."""
 
 import concurrent.futures
 import json
