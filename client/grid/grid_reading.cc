@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "client/grid/grid_metadata.h"
+#include "client/internal/voxel_size.h"
 
 namespace latvox::client {
 namespace {
@@ -12,7 +13,7 @@ GridTransform FromTransform(const openvdb::math::Transform& transform) {
   GridTransform out;
   out.basis = {{m[0][0], m[0][1], m[0][2]}, {m[1][0], m[1][1], m[1][2]}, {m[2][0], m[2][1], m[2][2]}};
   out.origin = {m[3][0], m[3][1], m[3][2]};
-  out.voxel_size = static_cast<double>(std::cbrt(std::abs(static_cast<long double>(m.getMat3().det()))));
+  out.voxel_size = VoxelSizeOf(out.basis);
   return out;
 }
 

@@ -17,8 +17,6 @@
 namespace latvox::client {
 namespace {
 
-constexpr uint32_t kMostNanoName = 1 << 20;  // bytes
-
 template <class Value>
 Value ToOpen(Value value) {
   return value;
@@ -80,8 +78,12 @@ class NanoArchive final : public GridArchive {
     auto buffer = nanovdb::HostBuffer::create(place.bytes);
     in_.seekg(static_cast<std::streamoff>(place.at));
     in_.read(reinterpret_cast<char*>(buffer.data()), static_cast<std::streamsize>(place.bytes));
+    auto& data = *reinterpret_cast<nanovdb::GridData*>(buffer.data());
+    if (!IsNanoMagic(data.mMagic)) throw std::runtime_error("it has no grid behind its header");
+    if (data.mGridSize > place.bytes) throw std::runtime_error("it is cut short");
+    data.mGridIndex = 0;  // a handle would look for the grids of the file, and only one is here
+    data.mGridCount = 1;
     const nanovdb::GridHandle<> handle(std::move(buffer));
-    const auto& data = *reinterpret_cast<const nanovdb::GridData*>(handle.data());
     const openvdb::GridBase::Ptr grid = ToOpenGrid(handle);
     if (!grid) {
       const std::string type = data.mGridType < nanovdb::GridType::End ? NanoTypeName(data.mGridType) : "?";
@@ -125,7 +127,7 @@ class NanoArchive final : public GridArchive {
     for (uint16_t n = 0; n < header.gridCount; ++n) {
       const auto grid = Get<NanoMetaData>();
       if (grid.codec != nanovdb::io::Codec::NONE) throw std::runtime_error("it is compressed");
-      if (grid.nameSize > kMostNanoName) throw std::runtime_error("it is cut short");
+      if (grid.nameSize > kMostNanoText) throw std::runtime_error("the name of a grid is too long");
       std::string name(grid.nameSize, '\0');
       in_.read(name.data(), static_cast<std::streamsize>(name.size()));
       grids.emplace_back(name.c_str(), grid.gridSize);

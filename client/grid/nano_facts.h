@@ -13,7 +13,8 @@
 
 namespace latvox::client {
 
-inline constexpr char kNanoBlindName[] = "latvox";  // of the blind data that hold the metadata
+inline constexpr uint64_t kMostNanoText = uint64_t{1} << 20;  // bytes of a grid's name, or of its metadata
+inline constexpr char kNanoBlindName[] = "latvox";            // of the blind data that hold the metadata
 
 GridTransform NanoTransform(const nanovdb::GridData& grid);
 

@@ -11,8 +11,6 @@
 namespace latvox::client {
 namespace {
 
-constexpr uint64_t kMostText = uint64_t{1} << 20;
-
 // Reads the file's structures without its nodes.
 class NanoReader {
  public:
@@ -27,7 +25,7 @@ class NanoReader {
     NanoMetaData meta;
     for (uint16_t n = 0; n < header.gridCount; ++n) {
       NanoMetaData each;
-      if (!Get(each) || each.nameSize > kMostText) return Bad("is cut short");
+      if (!Get(each) || each.nameSize > kMostNanoText) return Bad("is cut short");
       if (n == 0) meta = each;
       file_.seekg(each.nameSize, std::ios::cur);
     }

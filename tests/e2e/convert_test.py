@@ -2,12 +2,14 @@
 
 import json
 import random
+import struct
 import subprocess
 import unittest
 
 import pyopenvdb
 
-from harness import BUNNY, PATIENCE, Case, latvox
+from harness import BUNNY, PATIENCE, Case, box, latvox
+from label_fractions_test import BODIES, write_bodies
 
 SPIDER = "/usr/share/assimp/models/OBJ/spider.obj"  # of assimp-testmodels
 FIELDS = "part,material,color,distance,triangle,point,normal"
@@ -98,6 +100,30 @@ class Convert(Case):
             self.assertEqual(metadata, kept)
         self.convert("b.nvdb", "c.csv")
         self.assertEqual((self.dir / "c.csv").read_text().splitlines()[0], "i,j,k,x,y,z")
+
+    def test_fractions_of_labels_keep_the_labels_names(self):
+        mesh = write_bodies(self.dir / "boxes.obj", {name: box(*corners) for name, corners in BODIES.items()})
+        self.write([mesh, "--set", "solid", "--labels", "part", "--voxel-size", "1", "--fields", "label_fractions:2"], "a.vdb")
+        self.convert("a.vdb", "b.vdb", options=["--fields", "label_fractions"])
+        metadata = self.info("b.vdb")["metadata"]
+        self.assertEqual(metadata["latvox_part_names"], self.info("a.vdb")["metadata"]["latvox_part_names"])
+        self.assertEqual(metadata["latvox_fraction_n"], "2")
+        self.assertNotIn("latvox_part_digest", metadata)
+        done = latvox("render", self.dir / "b.vdb", "-o", self.dir / "a.png", "--color-by", "label_fractions",
+                      "--label", next(iter(BODIES)))  # fmt: skip
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.convert("a.vdb", "c.vdb", options=["--fields", "part"])
+        self.assertNotIn("latvox_fraction_n", self.info("c.vdb")["metadata"])
+
+    def test_one_grid_of_several(self):
+        self.write(JOBS["fields"], "a.nvdb")
+        data = bytearray((self.dir / "a.nvdb").read_bytes())
+        place = data.index(b"NanoVDB", 100)  # of the first grid, behind the headers of all
+        data[place + 24 : place + 32] = struct.pack("<II", 1, 2)  # its index, and the number of grids
+        (self.dir / "b.nvdb").write_bytes(data)
+        self.convert("b.nvdb", "b.csv")
+        self.convert("a.nvdb", "a.csv")
+        self.equal("a.csv", "b.csv")
 
     def test_shards_can_be_merged_afterwards(self):
         job = [BUNNY, "--resolution", "48", "--fields", "distance"]

@@ -13,6 +13,7 @@
 #include "client/tool/cli/common_options.h"
 #include "client/tool/cli/file_metadata.h"
 #include "client/tool/confined/foreign_grid.h"
+#include "client/tool/output/labels.h"
 #include "client/tool/view/page.h"
 #include "latvox/grid/carried_names.h"
 #include "latvox/grid/grid_content.h"
@@ -92,24 +93,28 @@ absl::StatusOr<std::unique_ptr<Output>> Open(const std::string& path, const Voxe
   return OpenOutput(path, request, options);
 }
 
-// Returns whether the metadatum is about this field alone.
-bool IsOf(const FieldFacts& facts, absl::string_view name) {
-  if (name == absl::StrCat("latvox_", facts.name, "_digest") || name == absl::StrCat("latvox_", facts.name, "_names"))
-    return true;
-  return name == (facts.is_of_labels()              ? "latvox_fraction_labels"
-                  : facts.field == Field::kDistance ? "latvox_signed_distance"
-                                                    : "");
+// Returns whether the metadatum is about the values of this field.
+bool IsAboutValues(const FieldFacts& facts, absl::string_view name) {
+  if (name == absl::StrCat("latvox_", facts.name, "_digest")) return true;
+  if (facts.field == Field::kDistance) return name == "latvox_signed_distance";
+  return facts.is_of_labels() && name == "latvox_fraction_labels";
 }
 
 // Returns the metadata about the mesh and the voxels with these fields. `all`: the file has no others.
 MetadataPairs MetadataWith(const std::vector<Field>& fields, bool all, const GridFileInfo& info) {
-  MetadataPairs metadata;
+  std::vector<Field> named = fields;
+  if (CarriesField(fields, Field::kLabelFractions))
+    named.push_back(FieldOfLabels(info));  // whose names its labels have
+  const bool fractions = CarriesField(fields, Field::kFraction) || CarriesField(fields, Field::kLabelFractions);
   const auto is_left_out = [&](const std::string& name) {
     if (name == "latvox_fields") return fields.empty();
+    if (name == "latvox_fraction_n") return !fractions;
     return std::any_of(kFields.begin(), kFields.end(), [&](const FieldFacts& facts) {
-      return !CarriesField(fields, facts.field) && IsOf(facts, name);
+      if (name == absl::StrCat("latvox_", facts.name, "_names")) return !CarriesField(named, facts.field);
+      return !CarriesField(fields, facts.field) && IsAboutValues(facts, name);
     });
   };
+  MetadataPairs metadata;
   for (const auto& [name, text] : info.metadata) {
     if (!absl::StartsWith(name, "latvox_") || is_left_out(name)) continue;
     metadata.emplace_back(name, name == "latvox_fields" && !all ? Join(fields) : text);
