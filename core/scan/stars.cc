@@ -77,8 +77,8 @@ using Float = hn::ScalableTag<float>;
 using Floats = hn::Vec<Float>;
 using Floats3 = std::array<Floats, 3>;
 
-// Triangles in lanes, whose edges are divided by their largest |entry|. That changes no sign, and makes errors relative
-// to the edges. Errors relative to the square of the farthest corner left many pairs of long thin triangles open.
+// Triangles in lanes, whose edges are divided by their largest |entry|. The division changes no sign, and makes errors
+// relative to the edges. Errors relative to the square of the farthest corner left many long thin triangles open.
 struct ScaledTriangles {
   Floats3 normal;
   std::array<Floats3, 3> moment;  // of the edges
@@ -112,13 +112,19 @@ struct ScaledTriangles {
 //   farthest   each lane's largest |coordinate|; beyond 2^kOffsetBits, a lane's result is meaningless
 //   reach      the largest |entry| of directions
 //
-// Bounds of errors, with w for `farthest` and u = 2^-24 for a rounding: a scaled edge's entries are at most 1, and
-// wrong by 2u, for a difference and a product; the factor may be any. A moment's entry a * d - b * c is at most 2w, and
-// wrong by 8uw. The normal's is at most 2, and wrong by 12u. So a product of the normal with a direction is wrong by (3
-// * 12 + 6 + 10)ur, one of a moment by (3 * 8 + 6 + 10)urw, and one of the normal with the first corner by (3 * 12 + 6
-// + 10)uw. The second and third terms there are the roundings of three products and of their sum. Terms with u^2, and
-// the roundings of these bounds, are less than the gap to 56 and 44. A rounded difference that is compared with a float
-// needs no more, because rounding is monotone. Contraction to fused products leaves roundings out.
+// Bounds of errors, with w for `farthest`, r for `reach`, and u = 2^-24 for a rounding:
+//
+//   value                                           at most   wrong by at most
+//   entry of a scaled edge, with any factor         1         2u: a difference and a product
+//   entry a * d - b * c of a moment                 2w        8uw
+//   entry of the normal                             2         12u
+//   product of the normal with a direction          6r        (3 * 12 + 6 + 10) ur = 52 ur
+//   product of a moment with a direction            6rw       (3 * 8 + 6 + 10) urw = 40 urw
+//   product of the normal with the first corner     6w        (3 * 12 + 6 + 10) uw = 52 uw
+//
+// The sums have the errors of three entries, the roundings of three products, and those of their sum. Terms with u^2,
+// and the roundings of these bounds, are less than the gaps to 56 and 44. A rounded difference that is compared with a
+// float needs no more, because rounding is monotone. Contraction to fused products leaves roundings out.
 HWY_INLINE uint64_t SureStars(const std::vector<ScanFrame>& frames, int32_t reach, const std::array<Ints3, 3>& corners,
                               Ints farthest, StarLinks* out) {
   const Float d;

@@ -66,13 +66,14 @@ def bootstrap(tar, *options, release=RELEASE):
     work = STATE / "work"
     work.mkdir(parents=True, exist_ok=True)
     (work / "apt.conf").write_text("\n".join(chosen) + "\n")
-    unfinished = work / "unfinished.tar"  # a later run would take a part for the whole
+    unfinished = work / f"part-{pathlib.Path(tar).name}"  # a later run would take a part for the whole
     options = ["--variant=minbase", f"--aptopt={work / 'apt.conf'}", *options]
     command = ["mmdebstrap", "--quiet", *options, release, unfinished, "-"]
     done = subprocess.run(command, input=package_sources(release), capture_output=True, text=True, timeout=1800)
     if done.returncode == 0:
         unfinished.rename(tar)
     else:
+        unfinished.unlink(missing_ok=True)
         skip(f"mmdebstrap cannot fetch Debian's packages here: {done.stderr.strip()[-500:]}")
 
 

@@ -7,7 +7,7 @@ import threading
 
 import latvox
 import pytest
-from harness import octahedron, write_obj
+from harness import PATIENCE, octahedron, write_obj
 from object_store import SECRET, ObjectStore, presign
 
 
@@ -78,8 +78,23 @@ def test_what_is_refused_is_named(server, tmp_path):
         v.save("s3://bucket/a.xyz")
     with pytest.raises(latvox.InvalidArgument, match="bucket"):
         server.voxelize("s3:///none.obj", resolution=9)
-    with pytest.raises(latvox.Error, match="allow_http"):
-        v.save("http://192.0.2.1/a.csv")
+
+
+def test_plain_http_to_other_machines_needs_an_argument(store, server, tmp_path):
+    def elsewhere(method, name):
+        """For latvox, this spelling of the loopback address is another machine."""
+        return presign(method, store.port, "bucket", name).replace("127.0.0.1", "[::ffff:127.0.0.1]")
+
+    v = local(server, tmp_path)
+    for call in (
+        lambda **more: server.voxelize(elsewhere("GET", "mesh 1+.obj"), resolution=9, **more),
+        lambda **more: v.save(elsewhere("PUT", "a.csv"), **more),
+    ):
+        with pytest.raises(latvox.InvalidArgument, match="allow_http"):
+            call()
+        # The signature is about another host, so the store refuses: it was asked.
+        with pytest.raises(latvox.Error, match="HTTP 403"):
+            call(allow_http=True)
 
 
 def test_an_interrupt_ends_a_save(server, tmp_path):
@@ -90,7 +105,8 @@ def test_an_interrupt_ends_a_save(server, tmp_path):
             connections.append(listener.accept()[0])
             os.kill(os.getpid(), signal.SIGINT)
 
-        thread = threading.Thread(target=interrupt)
+        listener.settimeout(PATIENCE)
+        thread = threading.Thread(target=interrupt, daemon=True)
         thread.start()
         with pytest.raises(KeyboardInterrupt):
             v.save(f"http://127.0.0.1:{listener.getsockname()[1]}/a.csv")

@@ -1,4 +1,4 @@
-// What the metadata of a grid tell the commands that read it.
+// Facts from a grid's metadata, for the commands that read it.
 #ifndef LATVOX_CLIENT_TOOL_CLI_FILE_METADATA_H_
 #define LATVOX_CLIENT_TOOL_CLI_FILE_METADATA_H_
 

@@ -182,21 +182,21 @@ class Program {
     Add("merge", "Join the parts of a voxelization, made with --region, --bounds or --shard", &AddMergeOptions, merge_,
         checked, [](const auto* words, Cancel cancel) { return Print(RunMerge(*words, cancel)); });
     Add(
-        "render", "Draw a picture of a .vdb file's voxels", &AddRenderOptions, render_,
+        "render", "Draw a picture of the voxels of a .vdb or .nvdb file", &AddRenderOptions, render_,
         [](const auto& words) { return Interpret(words); },
         [this](PictureOptions options, Cancel cancel) {
           options.cancellation = cancel;
           return Print(RunRender(render_, options));
         });
-    Add("slice", "Draw or list one layer of a .vdb file's voxels", &AddSliceOptions, slice_, checked,
+    Add("slice", "Draw or list one layer of the voxels of a .vdb or .nvdb file", &AddSliceOptions, slice_, checked,
         [](const auto* words, Cancel cancel) { return Print(RunSlice(*words, cancel)); });
-    Add("view", "Write a web page that shows a .vdb file's voxels", &AddViewOptions, view_, checked,
+    Add("view", "Write a web page that shows the voxels of a .vdb or .nvdb file", &AddViewOptions, view_, checked,
         [](const auto* words, Cancel cancel) { return Print(RunView(*words, cancel)); });
     Add(
         "convert", "Write the voxels and fields of a .vdb or .nvdb file in other formats", &AddConvertOptions, convert_,
         [](const auto& words) { return Interpret(words); },
         [](const auto& options, Cancel cancel) { return Print(RunConvert(options, cancel)); });
-    Add("compare", "Compare two .vdb files", &AddCompareOptions, compare_, checked,
+    Add("compare", "Compare two .vdb or .nvdb files", &AddCompareOptions, compare_, checked,
         [](const auto* words, Cancel cancel) { return Compare(*words, cancel); });
   }
 

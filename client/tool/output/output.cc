@@ -187,7 +187,7 @@ enum class Holds {
   kColor,
   kPainted,  // one that gives each voxel a color: color, material, or part
   kOne,      // one with a fixed size
-  kOneType,  // those with a fixed size and one type of numbers
+  kOneType,  // all except those of links, if they have one type of numbers
   kFixed,    // all except those of links
   kLinks,    // all others, and nothing without one
   kAll,

@@ -31,7 +31,7 @@ class VdbGrid {
   virtual void Describe(const VoxelizeRequest& request, const MeshNote& note, const CarriedNames& names,
                         const Summary& summary) = 0;
 
-  // Writes metadata that were read from a file, in place of all these.
+  // Writes metadata that were read from a file, over those of Describe.
   virtual void SetMetadata(const std::vector<std::pair<std::string, std::string>>& metadata) = 0;
 
   // Writes the file to `path`. Errors as those of the grid's own function, Write or WriteNano.

@@ -33,8 +33,10 @@ inline constexpr uint64_t kMaxPageVoxels = 4'000'000;
 //                     colors themselves), none, uint32 or float32; the first is the default
 //   band              whether these are the voxels of a band
 //
-// Errors: RESOURCE_EXHAUSTED: more voxels than kMaxPageVoxels, or farther apart than 65536; more colors than
-// kMaxPageColors of paints.h; a basis so skewed that a step to a neighbor is more than 8 along an axis.
+// Errors: RESOURCE_EXHAUSTED:
+//   - more voxels than kMaxPageVoxels, or farther apart than 65536
+//   - more colors than kMaxPageColors of paints.h
+//   - a basis so skewed that a step to a neighbor is more than 8 along an axis
 absl::StatusOr<std::string> ViewPage(const GridContent& content, const std::string& title, UpAxis up);
 
 }  // namespace latvox::client
