@@ -206,6 +206,35 @@ TEST(StarLinks, OfPlanesAlongDirectionsAreWhatTheStarSaysOnEachKernel) {
   }
 }
 
+// Two edges are nearly parallel, and cross the voxel. Each edge is the shortest one of some triangles.
+TEST(StarLinks, OfLongThinTrianglesAreWhatTheStarSaysOnEachKernel) {
+  const BitsLayout layout({0, 0, 0}, {8, 8, 8});
+  const Vec3i voxel{31, 17, 44};
+  std::mt19937 random(kSeed);
+  const auto near = [&random](int32_t most) {
+    std::uniform_int_distribution<int32_t> entry(-most, most);
+    return Vec3i{entry(random), entry(random), entry(random)};
+  };
+  std::vector<Triangle> triangles;
+  std::vector<VoxelTriangle> pairs;
+  for (const int32_t width : {3, 10, kLatticeUnit / 8, kLatticeUnit}) {
+    for (int times = 0; times < Dose(4000, 400); ++times) {
+      const Vec3i center = voxel * kLatticeUnit + near(kLatticeUnit / 2), along = near(100'000);
+      Triangle triangle{center + along, center - along, center - along + near(width)};
+      std::rotate(triangle.begin(), triangle.begin() + times % 3, triangle.end());
+      pairs.push_back({layout.NumberOf(voxel), static_cast<uint32_t>(triangles.size())});
+      triangles.push_back(triangle);
+    }
+  }
+  for (const ExactLattice& l : ExactLattices()) {
+    const auto frames = MakeScanFrames(l.lattice.frames(0));
+    for (const Simd simd : SimdHere()) {
+      const ForcedSimd forced(simd);
+      EXPECT_GT(ExpectStars(triangles, frames, layout, pairs, l.name), triangles.size() / 100);
+    }
+  }
+}
+
 // The distance from this plane, times the normal, is 2^64.
 TEST(StarLinks, AreNoneWherePlanesAreFarOnEachKernel) {
   constexpr int32_t kSide = 1 << 24, kAway = 1 << 16;
