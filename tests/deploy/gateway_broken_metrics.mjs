@@ -1,3 +1,4 @@
+#!/usr/bin/env node
 // The gateway with a figure that cannot be read. Beside it a plain server of Node, with the gateway's limit for headers.
 import http from 'node:http';
 import { Metrics } from '../../deploy/gateway/metrics.js';

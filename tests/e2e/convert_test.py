@@ -8,8 +8,8 @@ import unittest
 
 import pyopenvdb
 
+from bodies import BODIES, write_bodies
 from harness import BUNNY, PATIENCE, Case, box, latvox
-from label_fractions_test import BODIES, write_bodies
 
 SPIDER = "/usr/share/assimp/models/OBJ/spider.obj"  # of assimp-testmodels
 FIELDS = "part,material,color,distance,triangle,point,normal"

@@ -9,26 +9,13 @@ import numpy
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkIOXML import vtkXMLImageDataReader, vtkXMLUnstructuredGridReader
 
+from bodies import BODIES, write_bodies
 from harness import Case, box, latvox, octahedron
 from picture_test import read_png
 
 GRID = ["--voxel-size", "1", "--origin", "0,0,0", "--set", "supercover-solid", "--labels", "part"]
-# Low and high corners on quarters of voxels. The second box overlaps the first, the third lies within both.
-BODIES = {"base": ((0.25, 0.25, 0.25), (5.5, 4.75, 4)), "lid": ((3, 1, -1.5), (8.25, 6.5, 3.75)), "pin": ((3.5, 2, 0.5), (5, 3.25, 2))}
-
 PALETTE = ((0xE6, 0x9F, 0x00), (0x56, 0xB4, 0xE9), (0x00, 0x9E, 0x73))  # of labels 0 to 2
 NONE, ALL = (0x44, 0x01, 0x54), (0xFD, 0xE7, 0x25)  # of a label, in a cell
-
-
-def write_bodies(path, bodies):
-    """Writes meshes by name as objects of a .obj."""
-    lines, before = [], 1
-    for name, (vertices, triangles) in bodies.items():
-        lines += [f"o {name}"] + ["v " + " ".join(map(repr, map(float, v))) for v in vertices]
-        lines += ["f " + " ".join(str(v + before) for v in t) for t in triangles]
-        before += len(vertices)
-    path.write_text("\n".join(lines) + "\n")
-    return path
 
 
 def quarters(order):
