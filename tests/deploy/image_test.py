@@ -74,7 +74,7 @@ class Image(Case):
 
     def test_memory_budget_and_threads_are_the_containers(self):
         self.start(image_options=("--insecure", "--metrics-listen", "127.0.0.1:9464"))
-        self.assertEqual(self.metric("latvox_decoder_processes"), 1)  # one for each thread; one core is allowed
+        self.assertEqual(self.metric("latvox_decoder_processes"), 2)  # always two; one core is allowed
         limits = json.loads(self.client("limits", "--json").stdout)
         # Three quarters of 512 MiB, less the memory that is not for jobs; see server/listen/server.cc.
         self.assertEqual(limits["memory_budget_bytes"], (384 - 128 - 48 - 48) << 20)
@@ -90,7 +90,7 @@ class Image(Case):
         tool = ["podman", "run", "--rm", "--network=none", *CONFINED, f"--volume={self.dir}:/work", "--workdir=/work"]
         tool += ["--tmpfs=/tmp", "--entrypoint=latvox", IMAGE, "voxelize"]
         run(*tool, "bunny.obj", "-o", "bunny.h5", *SHORT)
-        self.assertEqual(json.loads(latvox("info", self.dir / "bunny.h5", "--json").stdout)["digest"], self.expected(SHORT))
+        self.assertEqual(json.loads(latvox("info", self.dir / "bunny.h5", "--json").stdout)["metadata"]["latvox_digest"], self.expected(SHORT))
         done = run(*tool, "http://127.0.0.1:1/bunny.obj", "-o", "bunny.csv", *SHORT, check=False)
         self.assertIn("http://127.0.0.1:1/bunny.obj", done.stderr)
         self.assertNotIn("cannot be loaded", done.stderr)
