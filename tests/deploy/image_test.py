@@ -16,7 +16,7 @@ SERVER = "127.0.0.1:50151"
 CONFINED = ["--read-only", "--cap-drop=all", "--security-opt=no-new-privileges"]
 LIMITED = [*CONFINED, "--memory=512m", "--cpus=1", "--pids-limit=64"]
 SHORT = ["--lattice", "bcc", "--resolution", "256"]
-LONG = ["--lattice", "bcc", "--resolution", "6000"]  # seconds of work
+LONG = ["--lattice", "bcc", "--resolution", "3000", "--fields", "normal"]  # the stream takes seconds
 
 
 class Image(Case):
