@@ -158,7 +158,7 @@ class Compose(Stack):
         self.compose("run", "--rm", "--no-deps", "-T", "job")
         self.assertEqual((self.dir / "mesh.vdb").stat().st_uid, 1234)
         through = latvox("info", self.dir / "mesh.vdb")
-        direct = self.voxelize(BUNNY, "--lattice", "bcc", "--resolution", "256", out="direct.vdb")
+        direct = self.voxelize(BUNNY, "--lattice", "bcc", "--resolution", "256", "--upload", "draco", out="direct.vdb")
         self.assertIn(str(direct["voxels"]), through.stdout.replace(",", ""))
         everything = {"latvoxd-1:9464": "1", "latvoxd-2:9464": "1", "haproxy:8405": "1"}
         await_true("Prometheus does not see all", lambda: self.up() == everything)
