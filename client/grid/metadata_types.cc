@@ -13,7 +13,7 @@ namespace {
 
 // Returns a grid with all metadata that are no texts, so that no second list of them can differ.
 openvdb::BoolGrid::Ptr NewTypedGrid() {
-  const auto grid = openvdb::BoolGrid::create();
+  auto grid = openvdb::BoolGrid::create();
   Place({{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {}, 1}, *grid);
   MeshNote note;
   note.alpha_cutoff = 0;

@@ -84,7 +84,7 @@ class NanoArchive final : public GridArchive {
     data.mGridIndex = 0;  // a handle would look for the grids of the file, and only one is here
     data.mGridCount = 1;
     const nanovdb::GridHandle<> handle(std::move(buffer));
-    const openvdb::GridBase::Ptr grid = ToOpenGrid(handle);
+    openvdb::GridBase::Ptr grid = ToOpenGrid(handle);
     if (!grid) {
       const std::string type = data.mGridType < nanovdb::GridType::End ? NanoTypeName(data.mGridType) : "?";
       throw std::runtime_error(absl::StrCat("the grid \"", Printable(name), "\" is a ", type,
