@@ -4,6 +4,7 @@
 #include "absl/strings/str_cat.h"
 #include "client/grid/grid_frame.h"
 #include "client/grid/open_file.h"
+#include "client/internal/printable.h"
 #include "latvox/grid/voxel_grid.h"
 
 namespace latvox::client {
@@ -19,7 +20,8 @@ absl::StatusOr<std::string> ReadGridFileDigest(const std::string& path) {
     }
     return "";
   } catch (const std::exception& error) {
-    return absl::InvalidArgumentError(absl::StrCat(path, ": is not a readable .vdb file (", error.what(), ")"));
+    return absl::InvalidArgumentError(
+        absl::StrCat(path, ": is not a readable .vdb file (", Printable(error.what()), ")"));
   }
 }
 

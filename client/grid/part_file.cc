@@ -128,7 +128,7 @@ absl::StatusOr<std::unique_ptr<PartFile>> PartFile::Open(const std::string& path
   } catch (const std::ios_base::failure&) {
     why = "it is cut short";
   } catch (const std::exception& error) {
-    why = error.what();
+    why = Printable(error.what());
   }
   return absl::InvalidArgumentError(absl::StrCat(path, ": is not a whole .vdb file that latvox wrote (", why, ")"));
 }
@@ -152,7 +152,7 @@ const Leaf* PartFile::Next() {
   } catch (const std::ios_base::failure&) {
     status_ = absl::InvalidArgumentError(absl::StrCat(path_, ": cannot be read to its end"));
   } catch (const std::exception& error) {
-    status_ = absl::InvalidArgumentError(absl::StrCat(path_, ": ", error.what()));
+    status_ = absl::InvalidArgumentError(absl::StrCat(path_, ": ", Printable(error.what())));
   }
   return nullptr;
 }

@@ -5,6 +5,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/string_view.h"
+#include "client/internal/printable.h"
 #include "latvox/error.h"
 
 namespace latvox::client {
@@ -43,7 +44,7 @@ std::string ErrorText(const absl::Status& status) {
   if (details.retry_after) append("try again in", absl::FormatDuration(*details.retry_after));
   std::replace_if(
       line.begin(), line.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
-  return line;
+  return Printable(line);  // a foreign file may have put bytes into it that change the terminal
 }
 
 }  // namespace latvox::client

@@ -21,8 +21,8 @@ enum class ExitStatus {
 
 ExitStatus ExitStatusOf(const absl::Status& status);
 
-// Returns the message of the status in one line, without a line end. Appends field, value, limit and retry delay if the
-// message does not contain them.
+// Returns the message of the status in one printable line, without a line end. Appends field, value, limit and retry
+// delay if the message does not contain them.
 std::string ErrorText(const absl::Status& status);
 
 }  // namespace latvox::client

@@ -41,6 +41,8 @@ TEST(Exit, TheLineNamesFieldAndLimitOnceAndIsOneLine) {
   absl::Status status = absl::ResourceExhaustedError("too many\njobs: 5");
   SetErrorDetails({"JOBS", "jobs", "5", "4", absl::Seconds(2)}, status);
   EXPECT_EQ(ErrorText(status), "too many jobs: 5 (limit 4) (try again in 2s)");
+  // A damaged file's bytes, and a line that would go on in red.
+  EXPECT_EQ(ErrorText(absl::InvalidArgumentError("a: no \xe9\x1b[31m\nb")), "a: no \\xe9\\x1b[31m b");
 }
 
 TEST(Report, JsonHasEveryKeyThatScriptsRelyOn) {
