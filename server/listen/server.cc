@@ -6,7 +6,6 @@
 #include <grpcpp/health_check_service_interface.h>
 #include <grpcpp/resource_quota.h>
 #include <oneapi/tbb/global_control.h>
-#include <oneapi/tbb/info.h>
 
 #include <algorithm>
 #include <chrono>
@@ -18,7 +17,6 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "server/access/access.h"
-#include "server/base/control_group.h"
 #include "server/base/endpoint.h"
 #include "server/base/log.h"
 #include "server/base/process_facts.h"
@@ -31,6 +29,7 @@
 #include "server/guard/connection_guard.h"
 #include "server/listen/health_server.h"
 #include "server/listen/metrics_server.h"
+#include "server/listen/shares.h"
 #include "server/work/memory_budget.h"
 #include "server/work/unfinished_uploads.h"
 #include "server/work/work_lanes.h"
@@ -50,31 +49,6 @@ int ToMilliseconds(absl::Duration duration) { return static_cast<int>(absl::ToIn
 // For a TLS handshake and the first frame. A client that takes longer holds a file for nothing.
 constexpr absl::Duration kHandshakeTimeout = absl::Seconds(20);
 constexpr int kReflectionThreads = 16;
-
-// Parts of the memory: gRPC's quota, and the most for kept meshes; the process's other needs besides jobs.
-constexpr uint64_t kGrpcShare = 8, kStoreShare = 8;
-constexpr uint64_t kOwnBytes = uint64_t{128} << 20;
-constexpr uint64_t kLeastForJobs = uint64_t{64} << 20;
-static_assert(kLeastMemoryBudget - kLeastMemoryBudget / kGrpcShare - kLeastMemoryBudget / kStoreShare >=
-              kOwnBytes + kLeastForJobs);
-
-uint64_t DefaultMemoryOf(const ServerOptions& options) {
-  return options.shares_memory ? SharedMemoryBudget(DefaultMemoryBudget()) : DefaultMemoryBudget();
-}
-
-// Returns the options with the memory divided.
-absl::StatusOr<ServerOptions> WithMemoryShared(ServerOptions options) {
-  const uint64_t all = options.memory_bytes == 0 ? DefaultMemoryOf(options) : options.memory_bytes;
-  options.limits.mesh_store_bytes = std::min(options.limits.mesh_store_bytes, all / kStoreShare);
-  const uint64_t taken = kOwnBytes + all / kGrpcShare + options.limits.mesh_store_bytes;
-  if (all < taken + kLeastForJobs) {
-    return absl::InvalidArgumentError(absl::StrCat("memory budget ", all, " leaves less than ", kLeastForJobs,
-                                                   " for jobs, beside ", taken, " for the process itself"));
-  }
-  options.memory_bytes = all;
-  options.limits.memory_budget_bytes = all - taken;
-  return options;
-}
 
 absl::Status CheckAddresses(const ServerOptions& options) {
   if (options.listen.empty()) return absl::InvalidArgumentError("there is no address to listen on");
@@ -102,27 +76,6 @@ absl::Status CheckAllExposed(const ServerOptions& options) {
   }
   if (options.health_listen.empty()) return absl::OkStatus();
   return CheckExposed(options.health_listen, lack, behind_proxy, false);
-}
-
-// The control groups would stop more threads than their share of the cores, all together for a part of each period.
-int ThreadsOf(const ServerOptions& options) {
-  if (options.threads > 0) return options.threads;
-  const int cores = oneapi::tbb::info::default_concurrency(), share = LimitsOfControlGroups().cores;
-  return share == 0 ? cores : std::min(cores, share);
-}
-
-// As many decoder processes as compute threads, but not many, because one thread receives their meshes. At least two,
-// so that a large mesh does not keep small ones waiting. Each may take the memory of the largest mesh. All together may
-// take no more than a third of the default memory budget.
-DecoderOptions DecodersOf(const ServerOptions& options) {
-  constexpr int kMostProcesses = 4;
-  DecoderOptions decoder = options.decoder;
-  if (decoder.processes == 0) decoder.processes = std::clamp(ThreadsOf(options), 2, kMostProcesses);
-  if (decoder.memory == 0) {
-    const uint64_t needed = options.limits.max_mesh_bytes + kDecoderBytesPerTriangle * options.limits.max_triangles;
-    decoder.memory = std::min(needed, DefaultMemoryOf(options) / 3 / static_cast<uint64_t>(decoder.processes));
-  }
-  return decoder;
 }
 
 class Server final : public VoxelServer {

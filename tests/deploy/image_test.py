@@ -76,7 +76,7 @@ class Image(Case):
         self.start(image_options=("--insecure", "--metrics-listen", "127.0.0.1:9464"))
         self.assertEqual(self.metric("latvox_decoder_processes"), 2)  # always two; one core is allowed
         limits = json.loads(self.client("limits", "--json").stdout)
-        # Three quarters of 512 MiB, less the memory that is not for jobs; see server/listen/server.cc.
+        # Three quarters of 512 MiB, less the memory that is not for jobs; see server/listen/shares.cc.
         self.assertEqual(limits["memory_budget_bytes"], (384 - 128 - 48 - 48) << 20)
 
     def test_plain_text_for_others_has_to_be_asked_for(self):
