@@ -2,141 +2,19 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <random>
 #include <stdexcept>
 #include <utility>
+
+#include "tests/oracle/shapes.h"
 
 namespace latvox::oracle {
 namespace {
 
 constexpr int64_t kHalf = kUnitsPerVoxel / 2;
 
-Int3 operator+(const Int3& a, const Int3& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
-Int3 operator-(const Int3& a, const Int3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-Int3 operator*(const Int3& a, int64_t m) { return {a[0] * m, a[1] * m, a[2] * m}; }
-
 std::string ToString(const Int3& v) {
   return std::to_string(v[0]) + "," + std::to_string(v[1]) + "," + std::to_string(v[2]);
 }
-
-// The standard's distributions differ between libraries; its engines do not.
-class Random {
- public:
-  explicit Random(uint64_t seed) : engine_(seed) {}
-  // Uniform enough in [lo, hi].
-  int64_t Between(int64_t lo, int64_t hi) {
-    return lo + static_cast<int64_t>(engine_() % static_cast<uint64_t>(hi - lo + 1));
-  }
-  // A multiple of `step` on each axis, at most `reach` from 0.
-  Int3 Point(int64_t reach, int64_t step = 1) {
-    const int64_t n = reach / step;
-    const int64_t x = Between(-n, n);
-    const int64_t y = Between(-n, n);
-    return Int3{x, y, Between(-n, n)} * step;
-  }
-
- private:
-  std::mt19937_64 engine_;
-};
-
-void Append(Mesh& mesh, const Mesh& more) { mesh.insert(mesh.end(), more.begin(), more.end()); }
-
-Mesh Reversed(Mesh mesh) {
-  for (Triangle& t : mesh) std::swap(t[1], t[2]);
-  return mesh;
-}
-
-template <typename Move>
-Mesh Moved(Mesh mesh, const Move& move) {
-  for (Triangle& t : mesh) {
-    for (Int3& v : t) v = move(v);
-  }
-  return mesh;
-}
-
-Mesh Placed(const Mesh& mesh, int64_t scale, const Int3& at) {
-  return Moved(mesh, [&](const Int3& v) { return v * scale + at; });
-}
-
-Mesh Quad(const Int3& a, const Int3& b, const Int3& c, const Int3& d) { return {{a, b, c}, {a, c, d}}; }
-
-// ---- Closed shapes, outward oriented --------------------------------------------------------------------------------
-
-Mesh Tetrahedron(const Int3& a, const Int3& b, const Int3& c, const Int3& d) {
-  return {{a, c, b}, {a, b, d}, {b, c, d}, {c, a, d}};
-}
-
-Mesh UnitTetrahedron() { return Tetrahedron({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}); }
-
-// [-1, 1]^3
-Mesh UnitCube() {
-  Mesh cube;
-  for (size_t axis = 0; axis < 3; ++axis) {
-    Int3 n{}, u{}, v{};
-    n[axis] = 1;
-    u[(axis + 1) % 3] = 1;
-    v[(axis + 2) % 3] = 1;
-    Append(cube, Quad(n - u - v, n + u - v, n + u + v, n - u + v));
-    Append(cube, Quad(v - u - n, u + v - n, u - v - n, Int3{} - u - v - n));
-  }
-  return cube;
-}
-
-// The octahedron |x|+|y|+|z| = n, each face in n^2 triangles with vertices on integer points: 8 n^2 triangles.
-Mesh Octahedron(int64_t n) {
-  Mesh mesh;
-  for (int64_t sx : {-1, 1}) {
-    for (int64_t sy : {-1, 1}) {
-      for (int64_t sz : {-1, 1}) {
-        const auto at = [&](int64_t i, int64_t j) { return Int3{sx * i, sy * j, sz * (n - i - j)}; };
-        Mesh face;
-        for (int64_t i = 0; i < n; ++i) {
-          for (int64_t j = 0; i + j < n; ++j) {
-            face.push_back({at(i, j), at(i + 1, j), at(i, j + 1)});
-            if (i + j + 1 < n) face.push_back({at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)});
-          }
-        }
-        Append(mesh, sx * sy * sz > 0 ? face : Reversed(face));
-      }
-    }
-  }
-  return mesh;
-}
-
-// The largest r >= 0 with r^2 s <= (a radius)^2, with a's sign: a radius / sqrt(s), truncated, in integers alone.
-int64_t Scaled(int64_t a, int64_t radius, int64_t s) {
-  const int64_t square = a * a * radius * radius;
-  int64_t lo = 0;
-  int64_t hi = std::abs(a) * radius;
-  while (lo < hi) {
-    const int64_t middle = (lo + hi + 1) / 2;
-    if (middle * middle * s <= square) {
-      lo = middle;
-    } else {
-      hi = middle - 1;
-    }
-  }
-  return a < 0 ? -lo : lo;
-}
-
-Mesh Sphere(int64_t n, int64_t radius, const Int3& center) {
-  return Moved(Octahedron(n), [&](const Int3& v) {
-    const int64_t s = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
-    return Int3{Scaled(v[0], radius, s), Scaled(v[1], radius, s), Scaled(v[2], radius, s)} + center;
-  });
-}
-
-// A closed mesh with a sphere's connectivity and its vertices anywhere: it intersects itself everywhere.
-Mesh Crumpled(int64_t n, int64_t reach, int64_t step, Random& random) {
-  std::map<Int3, Int3> place;
-  return Moved(Octahedron(n), [&](const Int3& v) {
-    const auto [found, is_new] = place.try_emplace(v);
-    if (is_new) found->second = random.Point(reach, step);
-    return found->second;
-  });
-}
-
-// ---- Families -------------------------------------------------------------------------------------------------------
 
 class Builder {
  public:
