@@ -11,8 +11,8 @@
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
 #include "client/tool/cli/common_options.h"
-#include "client/tool/cli/file_metadata.h"
 #include "client/tool/confined/foreign_grid.h"
+#include "client/tool/output/file_metadata.h"
 #include "client/tool/output/labels.h"
 #include "client/tool/view/page.h"
 #include "latvox/grid/carried_names.h"
@@ -21,7 +21,7 @@
 namespace latvox::client {
 namespace {
 
-constexpr char kNone[] = "none";
+constexpr char kNoFields[] = "none";
 constexpr const char* kCutOut[] = {"latvox_region", "latvox_bounds", "latvox_shard"};
 
 // Grids hold no links.
@@ -39,7 +39,7 @@ std::optional<Field> FieldNamed(absl::string_view name) {
 }
 
 std::string CheckConvertedFields(const std::string& text) {
-  if (text == kNone) return "";
+  if (text == kNoFields) return "";
   for (const absl::string_view name : absl::StrSplit(text, ',')) {
     if (!FieldNamed(name)) return absl::StrCat("\"", name, "\" is neither none nor a field that a .vdb holds");
   }
@@ -158,8 +158,8 @@ void AddConvertOptions(CommandParser& command, ConvertWords& words) {
 ConvertOptions Interpret(const ConvertWords& words) {
   CheckOutputs(words.outputs, words.input, "file");
   ConvertOptions options = {words.input, words.outputs, std::nullopt, {}};
-  if (words.fields == kNone) options.fields.emplace();
-  if (!words.fields.empty() && words.fields != kNone) {
+  if (words.fields == kNoFields) options.fields.emplace();
+  if (!words.fields.empty() && words.fields != kNoFields) {
     options.fields.emplace();
     for (const absl::string_view name : absl::StrSplit(words.fields, ',')) options.fields->push_back(*FieldNamed(name));
   }

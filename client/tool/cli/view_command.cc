@@ -4,9 +4,9 @@
 
 #include "absl/strings/str_cat.h"
 #include "client/tool/cli/common_options.h"
-#include "client/tool/cli/file_metadata.h"
 #include "client/tool/confined/foreign_grid.h"
 #include "client/tool/output/atomic_file.h"
+#include "client/tool/output/file_metadata.h"
 #include "client/tool/view/page.h"
 #include "latvox/grid/grid_content.h"
 

@@ -1,8 +1,6 @@
-#include "client/tool/cli/file_metadata.h"
+#include "client/tool/output/file_metadata.h"
 
 #include <algorithm>
-
-#include "client/json/json.h"
 
 namespace latvox::client {
 
@@ -12,10 +10,11 @@ std::string MetadatumOf(const GridFileInfo& info, absl::string_view name) {
   return found == info.metadata.end() ? "" : found->second;
 }
 
-// `up_axis` in the request names the axis of the mesh that became z.
-UpAxis UpOf(const GridFileInfo& info) {
-  const auto request = SortedJson::parse(MetadatumOf(info, "latvox_request"), nullptr, /*allow_exceptions=*/false);
-  return request.contains("up_axis") ? UpAxis::kZ : UpAxis::kY;
+SortedJson RequestIn(const GridFileInfo& info) {
+  return SortedJson::parse(MetadatumOf(info, "latvox_request"), nullptr, /*allow_exceptions=*/false);
 }
+
+// `up_axis` in the request names the axis of the mesh that became z.
+UpAxis UpOf(const GridFileInfo& info) { return RequestIn(info).contains("up_axis") ? UpAxis::kZ : UpAxis::kY; }
 
 }  // namespace latvox::client

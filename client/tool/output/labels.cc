@@ -2,20 +2,15 @@
 
 #include <algorithm>
 
-#include "client/json/json.h"
+#include "client/tool/output/file_metadata.h"
 #include "latvox/grid/carried_names.h"
 
 namespace latvox::client {
 
 Field FieldOfLabels(const GridFileInfo& info) {
-  for (const auto& [name, text] : info.metadata) {
-    if (name != "latvox_request") continue;
-    const auto request = SortedJson::parse(text, nullptr, /*allow_exceptions=*/false);
-    if (request.is_object() && request.value("labels", SortedJson()) == NameOf(Field::kMaterial)) {
-      return Field::kMaterial;
-    }
-  }
-  return Field::kPart;
+  const SortedJson request = RequestIn(info);
+  const bool by_material = request.is_object() && request.value("labels", SortedJson()) == NameOf(Field::kMaterial);
+  return by_material ? Field::kMaterial : Field::kPart;
 }
 
 std::string NameOfLabel(const GridFileInfo& info, uint32_t label) {
