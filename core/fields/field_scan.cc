@@ -40,6 +40,7 @@ void FieldScan::Find(const FieldContext& context, std::span<const uint32_t> tria
   tile_min_ = tile.tile_ijk * kTileSide - context.mesh.base_ijk;
   has_inside_ = context.plan.is_signed;
   if (has_inside_) interior->Find(Shifted(tile_min_, kTileBits), triangles, inside_);
+  if (context.plan.near_reach) bricks_.Begin(context.mesh, context.plan, triangles, tile_min_, context.stop);
   winner_.reset();
   shapes_.Begin();
   tile.fields.resize(context.plan.fields.size());
@@ -50,17 +51,23 @@ void FieldScan::Find(const FieldContext& context, std::span<const uint32_t> tria
   const double* square = context.plan.has_squares ? tile.squares.data() : nullptr;
   for (const Brick& brick : tile.bricks) {
     if (context.stop.Stopped()) return;
-    FindBrick(context, brick, square, tile);
+    if (context.plan.near_reach) {
+      FindNearBrick(context, brick, tile);
+    } else {
+      FindBrick(context, brick, square, tile);
+    }
   }
   tile.squares = {};
   tile.labels = {};
 }
 
-// Appends the labels of a brick. Returns false, and appends nothing, if a voxel has none.
-bool FieldScan::AppendLabels(const Brick& brick, const TileBricks& tile, std::vector<std::byte>& out) {
-  const size_t before = out.size();
-  out.resize(before + CountVoxels(brick.mask) * sizeof(uint32_t));
-  std::byte* next = out.data() + before;
+// Appends the labels of a brick. A voxel without a label gets `elsewhere`. Without that, returns false, and appends
+// nothing.
+bool FieldScan::AppendLabels(const Brick& brick, const TileBricks& tile, std::optional<uint32_t> elsewhere,
+                             std::vector<std::byte>& out) {
+  constexpr size_t kVoxels = size_t{kBrickSide} * kBrickSide * kBrickSide;
+  std::array<uint32_t, kVoxels + kBrickSide> labels;  // a row's labels are written as a whole row
+  uint32_t* next = labels.data();
   const Vec3i corner = (brick.brick_ijk - tile.tile_ijk * kBrickSide) * kBrickSide;  // in the tile
   const auto first_k = static_cast<uint32_t>(corner[2]);
   for (int32_t n = 0; n < kBrickSide * kBrickSide; ++n) {
@@ -70,34 +77,93 @@ bool FieldScan::AppendLabels(const Brick& brick, const TileBricks& tile, std::ve
     const auto row = static_cast<size_t>((corner[0] + x) << kTileBits | (corner[1] + y));
     const LabelRun* run = tile.labels.Find(row, first_k);
     uint32_t end = tile.labels.EndOf(row, run);
-    if (end >= first_k + kBrickSide && run->label != kNoLabel) {
-      std::array<uint32_t, kBrickSide> copies;
-      copies.fill(run->label);
-      const auto bytes = static_cast<size_t>(std::popcount(bits)) * sizeof(uint32_t);
-      std::memcpy(next, copies.data(), bytes);
-      next += bytes;
+    if (end >= first_k + kBrickSide && (run->label != kNoLabel || elsewhere)) {
+      std::fill_n(next, kBrickSide, run->label != kNoLabel ? run->label : *elsewhere);
+      next += std::popcount(bits);
       continue;
     }
     for (; bits != 0; bits &= bits - 1) {
       const uint32_t k = first_k + static_cast<uint32_t>(std::countr_zero(bits));
       while (k >= end) end = tile.labels.EndOf(row, ++run);
-      if (run->label == kNoLabel) {
-        out.resize(before);
-        return false;
-      }
-      std::memcpy(next, &run->label, sizeof(run->label));
-      next += sizeof(run->label);
+      if (run->label == kNoLabel && !elsewhere) return false;
+      *next++ = run->label != kNoLabel ? run->label : *elsewhere;
     }
   }
+  const std::span<const std::byte> bytes = std::as_bytes(std::span(labels.data(), next));
+  out.insert(out.end(), bytes.begin(), bytes.end());
   return true;
+}
+
+// Appends the fields of a brick whose voxels all have the same numbers.
+void FieldScan::AppendCopies(const FieldContext& context, const Brick& brick, std::span<const uint32_t> numbers,
+                             TileBricks& tile) {
+  Nearest nearest{};
+  std::ranges::copy(numbers, nearest.numbers.begin());
+  std::vector<std::byte> one;
+  for (const auto& [place, writer] : context.writers) {
+    one.clear();
+    writer->Append(nearest, one);
+    for (uint64_t n = CountVoxels(brick.mask); n > 0; --n) {
+      tile.fields[place].insert(tile.fields[place].end(), one.begin(), one.end());
+    }
+  }
+}
+
+// For plan.near_reach.
+void FieldScan::FindNearBrick(const FieldContext& context, const Brick& brick, TileBricks& tile) {
+  const bool is_labeled = context.plan.label_place.has_value();
+  const Vec3i in_tile = brick.brick_ijk - tile.tile_ijk * kBrickSide, corner = tile_min_ + in_tile * kBrickSide;
+  const std::span<const uint32_t> agreed = bricks_.Agreed(in_tile);
+  if (is_labeled) {
+    const std::optional<uint32_t> elsewhere = agreed.empty() ? std::nullopt : std::optional(agreed.front());
+    if (AppendLabels(brick, tile, elsewhere, tile.fields[context.writers.front().place])) return;
+  } else if (!agreed.empty()) {
+    return AppendCopies(context, brick, agreed, tile);
+  }
+  voxels_.Begin(context.mesh, context.plan, bricks_.TrianglesNear(in_tile), corner, context.stop);
+  for (int32_t x = 0; x < kBrickSide; ++x) {
+    for (uint64_t bits = brick.mask[static_cast<size_t>(x)]; bits != 0; bits &= bits - 1) {
+      const int yz = std::countr_zero(bits);
+      const Vec3i in_brick{x, yz >> kBrickBits, yz & (kBrickSide - 1)}, at = in_tile * kBrickSide + in_brick;
+      Nearest nearest{(corner + in_brick) * kLatticeUnit, false, 0, 0, nullptr, {}};
+      uint32_t label = kNoLabel;
+      if (is_labeled) {
+        const auto row = static_cast<size_t>(at[0] << kTileBits | at[1]);
+        label = tile.labels.Find(row, static_cast<uint32_t>(at[2]))->label;
+      }
+      if (label != kNoLabel) {
+        nearest.numbers.front() = label;
+      } else if (!FindNumbers(context, in_brick, nearest)) {
+        return;
+      }
+      for (const auto& [place, writer] : context.writers) writer->Append(nearest, tile.fields[place]);
+    }
+  }
+}
+
+// Finds nearest.numbers of a voxel of the brick. Returns false if the job was stopped before.
+bool FieldScan::FindNumbers(const FieldContext& context, const Vec3i& voxel, Nearest& nearest) {
+  if (const std::span<const uint32_t> agreed = voxels_.Agreed(voxel); !agreed.empty()) {
+    std::ranges::copy(agreed, nearest.numbers.begin());
+    return true;
+  }
+  candidates_.clear();
+  least_ = context.plan.most_square;
+  double limit = least_ * (1 + kDoubt);
+  for (const uint32_t triangle : voxels_.TrianglesNear(voxel)) Offer(context, triangle, nearest.point, limit);
+  if (context.stop.Stopped()) return false;
+  std::erase_if(candidates_, [limit](const Candidate& candidate) { return candidate.square > limit; });
+  return Decide(context, nearest);
 }
 
 // `square`: null, or those of the brick's voxels; moves on to those of the next brick.
 void FieldScan::FindBrick(const FieldContext& context, const Brick& brick, const double*& square, TileBricks& tile) {
   const bool is_labeled = context.plan.label_place.has_value();
-  if (context.plan.is_label_alone && AppendLabels(brick, tile, tile.fields[context.writers.front().place])) return;
+  if (context.plan.is_label_alone &&
+      AppendLabels(brick, tile, std::nullopt, tile.fields[context.writers.front().place])) {
+    return;
+  }
   const Vec3i corner = brick.brick_ijk * kBrickSide - context.mesh.base_ijk;
-  agreed_.reset();
   if (context.plan.is_searched) List(context, corner);
   for (int32_t x = 0; x < kBrickSide; ++x) {
     for (uint64_t bits = brick.mask[static_cast<size_t>(x)]; bits != 0; bits &= bits - 1) {
@@ -108,9 +174,7 @@ void FieldScan::FindBrick(const FieldContext& context, const Brick& brick, const
       if (has_inside_) nearest.is_inside = (inside_.view()[row] >> at[2] & 1) != 0;
       const uint32_t label = is_labeled ? tile.labels.Find(row, static_cast<uint32_t>(at[2]))->label : kNoLabel;
       if (square != nullptr) nearest.square = *square++;
-      if (agreed_) {
-        nearest.numbers = *agreed_;
-      } else if (context.plan.is_searched && !(context.plan.is_label_alone && label != kNoLabel)) {
+      if (context.plan.is_searched) {
         FindCandidates(context, nearest.point, square != nullptr ? nearest.square : context.plan.most_square);
         if (context.stop.Stopped()) return;
         nearest.square = least_;
@@ -138,8 +202,6 @@ void FieldScan::List(const FieldContext& context, const Vec3i& brick_min) {
   }
   const Vec3d low = middle - half, high = middle + half;
   double bound = context.plan.most_square;
-  // Mostly all these triangles have the same numbers. Then it does not matter which one is nearest.
-  bool may_agree = context.plan.of_mesh.size() == context.plan.nearest.size();
   context.index->ForEachNear(low, high, bound, [&](uint32_t triangle) {
     Listed listed{{}, {}, triangle};
     const Triangle corners = context.mesh.TriangleAt(triangle);
@@ -153,26 +215,13 @@ void FieldScan::List(const FieldContext& context, const Vec3i& brick_min) {
       square += beyond * beyond;
     }
     if (square > bound) return;
-    may_agree = may_agree && Agrees(context, triangle);
     if (list_.size() < kMost) {
       list_.push_back(listed);
       return;
     }
     has_list_ = false;
-    if (!may_agree || context.stop.Stopped()) bound = -1;  // ends the search
+    bound = -1;  // ends the search
   });
-  if (!may_agree) agreed_.reset();
-}
-
-// Returns whether the triangle's corners have the numbers that all corners before had.
-bool FieldScan::Agrees(const FieldContext& context, uint32_t triangle) {
-  const size_t count = context.plan.of_mesh.size();
-  for (const uint32_t vertex : context.mesh.triangles[triangle]) {
-    const uint32_t* const numbers = &context.plan.of_vertices[size_t{vertex} * count];
-    if (!agreed_) std::copy_n(numbers, count, agreed_.emplace().begin());
-    if (!std::equal(numbers, numbers + count, agreed_->begin())) return false;
-  }
-  return true;
 }
 
 // Finds all triangles that may be at the smallest distance.

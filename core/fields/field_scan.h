@@ -13,6 +13,7 @@
 #include "core/base/stop_signal.h"
 #include "core/brick/brick.h"
 #include "core/fields/field_writer.h"
+#include "core/fields/near_numbers.h"
 #include "core/fields/plan.h"
 #include "core/fields/shape_cache.h"
 #include "core/fields/triangle_index.h"
@@ -30,13 +31,13 @@ struct PlacedWriter {
 struct FieldContext {
   const SnappedMesh& mesh;
   const FieldPlan& plan;
-  const TriangleIndex* index;  // null unless plan.is_searched
+  const TriangleIndex* index;  // null unless plan.is_searched without plan.near_reach
   std::vector<PlacedWriter> writers;
   StopSignal stop;
 };
 
-// Each thread has its own, and reuses it from tile to tile: some 0.5 MiB, and 16 bytes for each triangle that is
-// equally near to one voxel.
+// Each thread has its own, and reuses it from tile to tile: some 0.5 MiB, 16 bytes for each triangle that is equally
+// near to one voxel, and with plan.near_reach up to 56 bytes for each triangle near the tile.
 //
 // The scan decides exactly on the nearest triangle. Doubles sort out most triangles. Two triangles with the same
 // nearest corner or edge are at the same distance. Integers compare all others. So fields do not depend on tiles,
@@ -45,7 +46,7 @@ class FieldScan {
  public:
   // Finds those of tile.fields that come from the nearest triangle, which are incomplete once the job is stopped. Takes
   // tile.squares away.
-  //   triangles   all that meet the tile; only needed for signs
+  //   triangles   all that meet the tile, for signs; with plan.near_reach, also those within that reach of its points
   //   interior    null, or that which decides on signs
   void Find(const FieldContext& context, std::span<const uint32_t> triangles, const Interior* interior,
             TileBricks& tile);
@@ -70,9 +71,13 @@ class FieldScan {
   };
 
   void FindBrick(const FieldContext& context, const Brick& brick, const double*& square, TileBricks& tile);
-  static bool AppendLabels(const Brick& brick, const TileBricks& tile, std::vector<std::byte>& out);
+  void FindNearBrick(const FieldContext& context, const Brick& brick, TileBricks& tile);
+  bool FindNumbers(const FieldContext& context, const Vec3i& voxel, Nearest& nearest);
+  static bool AppendLabels(const Brick& brick, const TileBricks& tile, std::optional<uint32_t> elsewhere,
+                           std::vector<std::byte>& out);
+  static void AppendCopies(const FieldContext& context, const Brick& brick, std::span<const uint32_t> numbers,
+                           TileBricks& tile);
   void List(const FieldContext& context, const Vec3i& brick_min);
-  bool Agrees(const FieldContext& context, uint32_t triangle);
   void FindCandidates(const FieldContext& context, const Vec3i& point, double bound);
   void Offer(const FieldContext& context, uint32_t number, const Vec3i& point, double& limit);
   bool Decide(const FieldContext& context, Nearest& nearest);
@@ -85,11 +90,10 @@ class FieldScan {
   InteriorRows inside_;
   bool has_inside_ = false;
   ShapeCache shapes_;
+  NearNumbers bricks_{kBrickBits}, voxels_{0};  // of the tile and of a brick, with plan.near_reach
   // All triangles that may be the nearest to a voxel of the brick, if these are few.
   std::vector<Listed> list_;
   bool has_list_ = false;
-  // The numbers of all corners of these triangles, if they are the same and the fields are numbers of the mesh alone.
-  std::optional<std::array<uint32_t, kMostMeshFields>> agreed_;
   std::vector<Candidate> candidates_;
   double least_ = 0;  // the smallest square among them
   // The nearest triangle so far, also of the voxel before.

@@ -50,6 +50,16 @@ double FarthestVoxel(const VoxelRequest& request, const Lattice& lattice, bool i
   return request.links() != nullptr ? longest : longest / 2;
 }
 
+// Returns how far a vector of that length reaches along each axis of lattice coordinates, in units. The rows of root^-1
+// are the columns of cofactor over the determinant.
+Vec3i ReachOf(const Metric& metric, double length) {
+  Vec3i reach;
+  for (size_t m = 0; m < 3; ++m) {
+    reach[m] = static_cast<int32_t>(length * LengthOf(metric.cofactor[m]) / std::abs(metric.determinant)) + 1;
+  }
+  return reach;
+}
+
 }  // namespace
 
 absl::StatusOr<FieldPlan> MakeFieldPlan(const VoxelRequest& request, const Lattice& lattice,
@@ -72,17 +82,23 @@ absl::StatusOr<FieldPlan> MakeFieldPlan(const VoxelRequest& request, const Latti
   const std::optional<size_t> label_place = PlaceOfLabels(request);
   const bool is_label_alone = label_place && nearest.size() == 1;
   const double farthest = FarthestVoxel(request, lattice, is_label_alone) / size * kLatticeUnit * kSlack;
+  const bool is_searched = !nearest.empty() && (has_band ? nearest != FieldList{Field::kDistance}
+                                                         : !is_label_alone || request.has_surface());
+  std::optional<Vec3i> near_reach;
+  if (is_searched && std::isfinite(farthest) && request.fields.OfMesh() == nearest) {
+    near_reach = ReachOf(*metric, farthest);
+  }
   return FieldPlan{
       .fields = request.fields,
       .nearest = nearest,
       .is_signed = request.signed_distance,
       .has_squares = has_band,
-      .is_searched = !nearest.empty() &&
-                     (has_band ? nearest != FieldList{Field::kDistance} : !is_label_alone || request.has_surface()),
+      .is_searched = is_searched,
       .label_place = label_place,
       .is_label_alone = is_label_alone,
       .metric = *metric,
       .most_square = farthest * farthest,
+      .near_reach = near_reach,
       .unit = size / kLatticeUnit,
       .most_distance = has_band ? WidthOf(*request.band(), lattice) : std::numeric_limits<double>::infinity(),
       .basis = lattice.basis(),

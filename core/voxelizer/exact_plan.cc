@@ -30,6 +30,7 @@ void SetMargins(ExactPlan& plan) {
   if (input.walk && input.walk->close) widen(input.walk->close->reach + plan.overlap);
   if (plan.HasLinkFields()) widen(plan.LinkContext({}).NearMargin());
   if (plan.HasFraction()) widen(ReachOf(*input.fields->cell));
+  if (plan.NeedsNearTriangles()) widen(Shifted(*input.fields->near_reach, kSubvoxelBits) + Vec3i{1, 1, 1});
 }
 
 // The distance from the voxels of a tile's scan within which it needs the links of tiny triangles.
@@ -53,13 +54,14 @@ bool ClosesHoles(const ExactPlan& plan) { return plan.input.walk && plan.input.w
 // Whether tiles need to know tiny triangles, although their links are known. A tile of links may hold only farther ends
 // of these, so without the triangles, the tree would leave it out.
 bool NeedsTiny(const ExactPlan& plan) {
-  return NeedsSides(plan) || plan.link_ends || plan.HasLinkFields() || ClosesHoles(plan);
+  return NeedsSides(plan) || plan.link_ends || plan.HasLinkFields() || ClosesHoles(plan) || plan.NeedsNearTriangles();
 }
 
 // The sides need the crossings of lines along an axis, a fraction also those of lines between lattice points, and
 // distances need all triangles.
 bool NeedsAllTriangles(const ExactPlan& plan) {
-  return plan.HasFraction() || (NeedsSides(plan) && !HasAxes(plan.input.frames)) || ClosesHoles(plan);
+  return plan.HasFraction() || (NeedsSides(plan) && !HasAxes(plan.input.frames)) || ClosesHoles(plan) ||
+         plan.NeedsNearTriangles();
 }
 
 // Finds the links of tiny triangles, the remaining triangles, and the mesh's facts.
@@ -111,7 +113,7 @@ absl::StatusOr<std::unique_ptr<ExactPlan>> MakeExactPlan(ExactInput asked, const
   const SurfaceFacts surface = SortOut(*plan, creation);
   plan->facts = FactsOfJob(input.mesh, surface, input.region, input.bounds);
   if (input.band) plan->facts.band_width = input.band->width;
-  if (input.fields && input.fields->is_searched) {
+  if (input.fields && input.fields->is_searched && !input.fields->near_reach) {
     plan->index = std::make_unique<const TriangleIndex>(input.mesh, input.fields->metric, creation);
   }
   if (plan->solid && plan->solid->labels) {

@@ -89,6 +89,9 @@ struct ExactPlan {
   // Whether voxels carry a fraction.
   bool HasFraction() const { return input.fields && input.fields->cell; }
 
+  // Whether fields come from the triangles near a tile.
+  bool NeedsNearTriangles() const { return input.fields && input.fields->near_reach; }
+
   // The rule for the inside, if tiles need to know on which side of the mesh their voxels are, and the set is no solid.
   bool NeedsParity() const {
     return !solid && ((input.fields && input.fields->is_signed) || HasFraction() ||

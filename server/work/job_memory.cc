@@ -89,6 +89,7 @@ uint64_t JobMemory::BytesOf(uint64_t triangles, uint64_t vertices) const {
   const uint64_t of_thread = (request_.fields.empty() ? 0 : kFieldThreadBytes) + kFieldThreadVoxels * small +
                              kLargeFieldThreadVoxels * large + (has_fraction ? kFractionThreadBytes : 0) +
                              FractionLabels() * kLabelFractionThreadBytes;
+  // Fields take an index of the triangles, or lists of those near the tiles in flight.
   const uint64_t of_triangle =
       (nearest.empty() ? 0 : TriangleIndex::kBytesPerTriangle) + (IsLabeled() ? kLabelBytesPerTriangle : 0);
   return kStreamBytes + threads_ * (kThreadBytes + of_thread) + triangles * (kBytesPerTriangle + of_triangle) +

@@ -1,0 +1,117 @@
+// Numbers of the mesh alone, which mostly need no nearest triangle, are those beside a field that needs it.
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <map>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "core/request/fields.h"
+#include "core/voxelizer/voxelizer.h"
+#include "tests/unit/core/distance.h"
+#include "tests/unit/core/exact.h"
+#include "tests/unit/core/fields.h"
+#include "tests/unit/core/fields/shards.h"
+#include "tests/unit/core/sphere.h"
+
+namespace latvox {
+namespace {
+
+using Carried = std::map<Vec3i, VoxelFields>;
+
+// Overlapping spheres: their triangles are far smaller than voxels, about as large, and far larger.
+TriangleMesh Spheres() {
+  TriangleMesh mesh;
+  float x = 0;
+  for (const int rings : {30, 12, 4}) {
+    TriangleMesh sphere = Sphere(rings, 9.3F);
+    const auto first = static_cast<uint32_t>(mesh.vertices.size());
+    for (const Vec3f& v : sphere.vertices) mesh.vertices.push_back({v[0] + x, v[1] + x / 3, v[2] - x / 7});
+    for (const auto& [a, b, c] : sphere.triangles) mesh.triangles.push_back({first + a, first + b, first + c});
+    x += 7.1F;
+  }
+  return mesh;
+}
+
+struct Numbering {
+  std::string name;
+  uint32_t fields;
+  std::vector<uint32_t> numbers;
+};
+
+// Of vertices that come three to a triangle, or four to a quad, so most triangles have one number.
+std::vector<Numbering> Numberings(const TriangleMesh& mesh) {
+  std::mt19937 random(3);
+  std::vector<Numbering> all{{"one part", 1, {}}, {"bodies", 1, {}}, {"many parts", 1, {}}, {"random", 2, {}}};
+  for (uint32_t n = 0; n < mesh.vertices.size(); ++n) {
+    all[0].numbers.push_back(5);
+    all[1].numbers.push_back(mesh.vertices[n][0] < 8 ? 0 : 9);
+    all[2].numbers.push_back(n / 4 % 101);
+    all[3].numbers.push_back(static_cast<uint32_t>(random() % 3));
+    all[3].numbers.push_back(static_cast<uint32_t>(random() % 2));
+  }
+  return all;
+}
+
+std::vector<VoxelizeOptions> Sets() {
+  return {{.separability = 0}, {.separability = 1, .minimal = false},
+          {.separability = 2}, {.set = SupercoverSurface{}},
+          {.set = Links{}},    {.separability = 2, .set = Links{LinkSide::kInside}}};
+}
+
+// The numbers of each voxel, from a job that also carries its nearest triangle: fields_test compares these with an
+// oracle.
+Carried BesideTriangles(const TriangleMesh& mesh, const Grid& grid, VoxelizeOptions options) {
+  const size_t count = options.fields.size();
+  options.fields.Add(Field::kTriangle);
+  Carried carried = FieldsByVoxel(Voxelize(mesh, grid, options).tiles, options.fields);
+  for (auto& [ijk, of_voxel] : carried) of_voxel.resize(count);
+  return carried;
+}
+
+TEST(NearNumbers, AreThoseOfTheNearestTriangle) {
+  TriangleMesh mesh = Spheres();
+  for (const Lattice& lattice : Lattices()) {
+    const Grid grid = Unscaled(lattice);
+    for (const Numbering& numbering : Numberings(mesh)) {
+      mesh.attributes = numbering.numbers;
+      size_t n = 0;
+      for (VoxelizeOptions options : Sets()) {
+        SCOPED_TRACE(testing::Message() << lattice.name() << ", " << numbering.name << ", set " << n++);
+        options.fields = numbering.fields == 1 ? FieldList{Field::kPart} : FieldList{Field::kPart, Field::kMaterial};
+        const Carried alone = FieldsByVoxel(Voxelize(mesh, grid, options).tiles, options.fields);
+        EXPECT_GT(alone.size(), 50U);
+        EXPECT_EQ(alone, BesideTriangles(mesh, grid, options));
+      }
+    }
+  }
+}
+
+TEST(NearNumbers, OfLabeledSolidsAreThoseOfTheNearestTriangle) {
+  TriangleMesh mesh = Spheres();
+  for (size_t n = 0; n < mesh.vertices.size(); ++n) mesh.attributes.push_back(n < 7200 ? 1 : n < 8352 ? 2 : 0);
+  for (const Lattice& lattice : Lattices()) {
+    const Grid grid = Unscaled(lattice);
+    const VoxelizeOptions options{.set = Solid{.labels = Field::kPart}, .fields = {Field::kPart}};
+    const Result result = Voxelize(mesh, grid, options);
+    EXPECT_EQ(FieldsByVoxel(result.tiles, options.fields), BesideTriangles(mesh, grid, options)) << lattice.name();
+    ExpectPartsAddUp(mesh, grid, options, result);
+  }
+}
+
+// Triangles that a tile's surface does not need may be the nearest to its voxels.
+TEST(NearNumbers, CountTrianglesThatMeetNoLatticeLine) {
+  const Lattice lattice = Lattice::Named(NamedLattice::kCartesian);
+  TriangleMesh mesh = Sphere(64, 2.3F);
+  std::mt19937 random(7);
+  for (size_t n = 0; n < mesh.vertices.size(); ++n) mesh.attributes.push_back(static_cast<uint32_t>(random() % 1000));
+  for (VoxelizeOptions options : Sets()) {
+    options.fields = {Field::kPart};
+    EXPECT_EQ(FieldsByVoxel(Voxelize(mesh, Unscaled(lattice), options).tiles, options.fields),
+              BesideTriangles(mesh, Unscaled(lattice), options));
+  }
+}
+
+}  // namespace
+}  // namespace latvox
