@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstdlib>
 #include <iterator>
 
 #include "core/base/bytes_of.h"
@@ -22,23 +23,23 @@ void LinkEnds::Find(const TileContext& context, const TileNode& node) {
     voxels_.Add(some.nearer.view());
     voxels_.Add(some.farther.view());
   });
+  // Bits are set without a look at them: whether a bit is set already is hard to predict.
   TileBits& bits = voxels_.bits();
-  added_.clear();
-  const auto add = [&](uint32_t voxel) {
-    if (bits.Test(voxel)) return;
-    bits.Set(voxel);
-    added_.push_back(voxel);
-  };
+  NumberRange nearer;
   scan_.ForEachStar(context, [&](const VoxelTriangle& pair, const StarLinks& star) {
-    add(pair.voxel);
+    bits.Set(pair.voxel);
+    nearer.Add({pair.voxel, pair.voxel});
     for (uint32_t links = star.nearer; links != 0; links &= links - 1) {
-      add(where.EndOf(pair.voxel, star, static_cast<size_t>(std::countr_zero(links))));
+      bits.Set(where.EndOf(pair.voxel, star, static_cast<size_t>(std::countr_zero(links))));
     }
   });
-  voxels_.MarkDirty(added_);
+  if (nearer.empty()) return;
+  uint32_t step = 0;
+  for (const int32_t n : where.steps) step = std::max(step, static_cast<uint32_t>(std::abs(n)));
+  voxels_.MarkPlanesDirty({nearer.first - step, nearer.last + step});
 }
 
-size_t LinkEnds::Bytes() const { return scan_.Bytes() + voxels_.Bytes() + BytesOf(others_) + BytesOf(added_); }
+size_t LinkEnds::Bytes() const { return scan_.Bytes() + voxels_.Bytes() + BytesOf(others_); }
 
 void KeepSide(LinkSide side, std::span<const uint64_t> inside, TileBricks& tile) {
   if (side == LinkSide::kBoth) return;

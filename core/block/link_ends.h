@@ -33,7 +33,6 @@ class LinkEnds {
   LinkScan scan_;
   BlockVoxels voxels_;
   std::vector<uint32_t> others_;  // the triangles that are not tiny
-  std::vector<uint32_t> added_;
 };
 
 // Removes the voxels of a tile that are not on this side.
