@@ -174,16 +174,40 @@ void FieldScan::FindBrick(const FieldContext& context, const Brick& brick, const
       if (has_inside_) nearest.is_inside = (inside_.view()[row] >> at[2] & 1) != 0;
       const uint32_t label = is_labeled ? tile.labels.Find(row, static_cast<uint32_t>(at[2]))->label : kNoLabel;
       if (square != nullptr) nearest.square = *square++;
-      if (context.plan.is_searched) {
+      if (context.plan.is_searched && !RepeatsNumbers(context, nearest)) {
         FindCandidates(context, nearest.point, square != nullptr ? nearest.square : context.plan.most_square);
         if (context.stop.Stopped()) return;
         nearest.square = least_;
         if (!Decide(context, nearest)) return;
+        numbers_ = nearest.numbers;
+        is_new_winner_ = true;
       }
       if (label != kNoLabel) nearest.numbers[*context.plan.label_place] = label;
       for (const auto& [place, writer] : context.writers) writer->Append(nearest, tile.fields[place]);
     }
   }
+}
+
+// Returns whether nearest.numbers are certainly those that the search found last, and sets them. Far from the mesh,
+// thousands of triangles may be nearly the nearest, but mostly they have the same numbers. The last winner bounds the
+// distance. Where its bound is too loose, a search finds another one. Where even a new winner does not help, other
+// numbers are near, and the next voxels are searched at once.
+bool FieldScan::RepeatsNumbers(const FieldContext& context, Nearest& nearest) {
+  constexpr int kPause = 16;
+  if (!context.plan.are_numbers || !winner_) return false;
+  if (pause_ > 0) {
+    --pause_;
+    return false;
+  }
+  const double bound = winner_->SquareTo(nearest.point) * (1 + kDoubt);
+  const Vec3d x = Apply(context.plan.metric.root, ToDouble(nearest.point));
+  if (context.index->MayFindOther(x, bound, numbers_.data())) {
+    if (is_new_winner_) pause_ = kPause;
+    return false;
+  }
+  is_new_winner_ = false;
+  nearest.numbers = numbers_;
+  return true;
 }
 
 // Lists the triangles that come as near to the box around a brick as those of its voxels can be. Voxels in the middle

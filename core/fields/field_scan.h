@@ -77,6 +77,7 @@ class FieldScan {
                            std::vector<std::byte>& out);
   static void AppendCopies(const FieldContext& context, const Brick& brick, std::span<const uint32_t> numbers,
                            TileBricks& tile);
+  bool RepeatsNumbers(const FieldContext& context, Nearest& nearest);
   void List(const FieldContext& context, const Vec3i& brick_min);
   void FindCandidates(const FieldContext& context, const Vec3i& point, double bound);
   void Offer(const FieldContext& context, uint32_t number, const Vec3i& point, double& limit);
@@ -98,7 +99,10 @@ class FieldScan {
   double least_ = 0;  // the smallest square among them
   // The nearest triangle so far, also of the voxel before.
   std::optional<TriangleDistance> winner_;
-  std::optional<TriangleFeature> feature_;  // of winner_
+  std::optional<TriangleFeature> feature_;           // of winner_
+  std::array<uint32_t, kMostMeshFields> numbers_{};  // that the search found last
+  bool is_new_winner_ = false;                       // no voxel has repeated its numbers
+  int pause_ = 0;                                    // voxels until numbers may be repeated
 };
 
 }  // namespace latvox

@@ -85,7 +85,8 @@ absl::StatusOr<FieldPlan> MakeFieldPlan(const VoxelRequest& request, const Latti
   const bool is_searched = !nearest.empty() && (has_band ? nearest != FieldList{Field::kDistance}
                                                          : !is_label_alone || request.has_surface());
   std::optional<Vec3i> near_reach;
-  if (is_searched && std::isfinite(farthest) && request.fields.OfMesh() == nearest) {
+  const bool are_numbers = request.fields.OfMesh() == nearest;
+  if (is_searched && std::isfinite(farthest) && are_numbers) {
     near_reach = ReachOf(*metric, farthest);
   }
   return FieldPlan{
@@ -98,6 +99,7 @@ absl::StatusOr<FieldPlan> MakeFieldPlan(const VoxelRequest& request, const Latti
       .is_label_alone = is_label_alone,
       .metric = *metric,
       .most_square = farthest * farthest,
+      .are_numbers = are_numbers,
       .near_reach = near_reach,
       .unit = size / kLatticeUnit,
       .most_distance = has_band ? WidthOf(*request.band(), lattice) : std::numeric_limits<double>::infinity(),

@@ -27,8 +27,9 @@ struct FieldPlan {
   bool is_label_alone;  // points inside of a label need no search
   Metric metric;
   double most_square;  // of the distance of a searched voxel, in units; infinite if it may be far
-  // If all searched fields are numbers of the mesh, and their voxels lie near it: the same bound along each axis of
-  // lattice coordinates, in units.
+  bool are_numbers;    // all of `nearest` are numbers of the mesh
+  // With are_numbers, and if searched voxels lie near the mesh: the same bound along each axis of lattice coordinates,
+  // in units.
   std::optional<Vec3i> near_reach;
   double unit;                        // world length of a unit of the metric
   double most_distance;               // world units: no distance is longer, as a 32-bit float; infinite without a band

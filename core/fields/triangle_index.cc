@@ -85,4 +85,37 @@ TriangleIndex::Box TriangleIndex::BoxOf(const SnappedMesh& mesh, const Metric& m
   return box;
 }
 
+void TriangleIndex::SetNumbers(const SnappedMesh& mesh, std::span<const uint32_t> of_vertices, size_t count,
+                               StopSignal stop) {
+  constexpr size_t kPiece = 4096;  // nodes between two looks at the stop signal
+  of_vertices_ = of_vertices;
+  count_ = count;
+  vertices_.assign(2 * leaves_, kNone);
+  for (size_t node = 2 * leaves_ - 1; node > 0; --node) {
+    if (node % kPiece == 0 && stop.Stopped()) return;
+    if (node < leaves_) {
+      vertices_[node] = Merged(vertices_[2 * node], vertices_[2 * node + 1]);
+      continue;
+    }
+    const size_t first = (node - leaves_) * kLeaf, end = std::min(first + kLeaf, order_.size());
+    for (size_t n = first; n < end; ++n) {
+      for (const uint32_t vertex : mesh.triangles[order_[n]]) vertices_[node] = Merged(vertices_[node], vertex);
+    }
+  }
+}
+
+uint32_t TriangleIndex::Merged(uint32_t vertex, uint32_t other) const {
+  if (vertex == kNone || other == kMixed) return other;
+  if (other == kNone || vertex == kMixed) return vertex;
+  return AreEqual(vertex, &of_vertices_[other * count_]) ? vertex : kMixed;
+}
+
+bool TriangleIndex::MayFindOther(size_t node, const Vec3d& point, double bound, const uint32_t* numbers) const {
+  const uint32_t vertex = vertices_[node];
+  if (vertex == kNone || SquareTo(node, point, point) > bound) return false;
+  if (vertex != kMixed) return !AreEqual(vertex, numbers);
+  return node >= leaves_ || MayFindOther(2 * node, point, bound, numbers) ||
+         MayFindOther(2 * node + 1, point, bound, numbers);
+}
+
 }  // namespace latvox

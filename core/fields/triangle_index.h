@@ -6,6 +6,8 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -24,6 +26,10 @@ class TriangleIndex {
  public:
   // The metric need not outlive it. Once stopped, the index is meaningless.
   TriangleIndex(const SnappedMesh& mesh, const Metric& metric, StopSignal stop);
+
+  // Prepares for MayFindOther.
+  //   of_vertices   the numbers of each vertex, `count` of them; must outlive the index
+  void SetNumbers(const SnappedMesh& mesh, std::span<const uint32_t> of_vertices, size_t count, StopSignal stop);
 
   // The memory for each triangle, and more while it is made.
   static constexpr uint64_t kBytesPerTriangle = 64;
@@ -54,8 +60,15 @@ class TriangleIndex {
     }
   }
 
+  // Returns false only if all corners of all triangles with a distance from a point of at most sqrt(bound) have these
+  // numbers. Precondition: SetNumbers.
+  bool MayFindOther(const Vec3d& point, double bound, const uint32_t* numbers) const {
+    return MayFindOther(1, point, bound, numbers);
+  }
+
  private:
   static constexpr size_t kLeaf = 4;  // triangles
+  static constexpr uint32_t kNone = std::numeric_limits<uint32_t>::max(), kMixed = kNone - 1;
 
   struct Box {
     std::array<float, 3> low, high;
@@ -76,9 +89,19 @@ class TriangleIndex {
     return square;
   }
 
+  bool MayFindOther(size_t node, const Vec3d& point, double bound, const uint32_t* numbers) const;
+  bool AreEqual(uint32_t vertex, const uint32_t* numbers) const {
+    return std::equal(numbers, numbers + count_, &of_vertices_[vertex * count_]);
+  }
+  uint32_t Merged(uint32_t vertex, uint32_t other) const;
+
   std::vector<uint32_t> order_;     // the triangles, kLeaf to a leaf
   size_t leaves_ = 1;               // a power of two
   UninitializedVector<Box> boxes_;  // node n has the children 2n and 2n + 1; leaves from leaves_ on; empty ones are far
+  // Of a node whose triangles all have the same numbers: one vertex. kMixed: they differ. kNone: it is empty.
+  std::vector<uint32_t> vertices_;
+  std::span<const uint32_t> of_vertices_;
+  size_t count_ = 0;
 };
 
 }  // namespace latvox

@@ -114,7 +114,9 @@ absl::StatusOr<std::unique_ptr<ExactPlan>> MakeExactPlan(ExactInput asked, const
   plan->facts = FactsOfJob(input.mesh, surface, input.region, input.bounds);
   if (input.band) plan->facts.band_width = input.band->width;
   if (input.fields && input.fields->is_searched && !input.fields->near_reach) {
-    plan->index = std::make_unique<const TriangleIndex>(input.mesh, input.fields->metric, creation);
+    const FieldPlan& fields = *input.fields;
+    plan->index = std::make_unique<TriangleIndex>(input.mesh, fields.metric, creation);
+    if (fields.are_numbers) plan->index->SetNumbers(input.mesh, fields.of_vertices, fields.of_mesh.size(), creation);
   }
   if (plan->solid && plan->solid->labels) {
     const FieldPlan& fields = *input.fields;

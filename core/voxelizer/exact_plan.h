@@ -64,8 +64,8 @@ struct ExactPlan {
   UninitializedVector<uint8_t> is_tiny;       // see TileContext
   std::optional<std::vector<uint32_t>> kept;  // the triangles that tiles need to know, ascending; nullopt: all
   JobFacts facts;
-  std::unique_ptr<const TriangleIndex> index;  // for fields that need it
-  std::optional<FinerMesh> finer;              // for a fraction
+  std::unique_ptr<TriangleIndex> index;  // for fields that need it
+  std::optional<FinerMesh> finer;        // for a fraction
   Shard shard;
   TileSpan span;  // the tiles to deliver
 
