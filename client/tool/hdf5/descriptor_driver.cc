@@ -100,6 +100,10 @@ herr_t Truncate(H5FD_t* base, hid_t, hbool_t) {
 
 hid_t Register() {
   static H5FD_class_t driver = {};
+#ifdef H5FD_CLASS_VERSION  // since HDF5 1.14
+  driver.version = H5FD_CLASS_VERSION;
+  driver.value = H5_VFD_RESERVED;  // the first one that is not the library's own
+#endif
   driver.name = "latvox";
   driver.maxaddr = (haddr_t{1} << 62) - 1;
   driver.fc_degree = H5F_CLOSE_STRONG;

@@ -17,11 +17,14 @@ absl::StatusOr<const Hdf5*> LoadOnce() {
   void* const handle = dlopen(LATVOX_HDF5_LIBRARY, RTLD_NOW | RTLD_LOCAL);
   if (handle == nullptr) return missing(dlerror());
   static Hdf5 hdf5;
-#define LATVOX_FIND(name)                                                  \
-  hdf5.name = reinterpret_cast<decltype(hdf5.name)>(dlsym(handle, #name)); \
-  if (hdf5.name == nullptr) return missing(#name);
+// Since HDF5 1.12, H5Literate is a macro: the name in the library is H5Literate2.
+#define LATVOX_TEXT(name) #name
+#define LATVOX_FIND(name)                                                              \
+  hdf5.name = reinterpret_cast<decltype(hdf5.name)>(dlsym(handle, LATVOX_TEXT(name))); \
+  if (hdf5.name == nullptr) return missing(LATVOX_TEXT(name));
   LATVOX_HDF5_FUNCTIONS(LATVOX_FIND)
 #undef LATVOX_FIND
+#undef LATVOX_TEXT
   // At the end of the process, it would write files that a failed call has left.
   if (hdf5.H5dont_atexit() < 0 || hdf5.H5open() < 0) return missing("it does not start");
   // Filters of files could otherwise load libraries.
