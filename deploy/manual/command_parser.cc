@@ -191,14 +191,29 @@ Words CommandNames(const CommandFacts& program) {
   return names;
 }
 
+// Returns the value of the option's environment variable, or "".
+std::string VariableOf(const CLI::Option& option) {
+  const char* value = option.get_envname().empty() ? nullptr : std::getenv(option.get_envname().c_str());
+  return value == nullptr ? "" : value;
+}
+
+// CLI11 2.4 ignores a variable whose value is wrong. 2.3 refuses it.
+void TakeIgnoredVariables(CLI::App& app) {
+  for (CLI::Option* option : app.get_options()) {
+    const std::string value = VariableOf(*option);
+    if (option->count() > 0 || value.empty()) continue;
+    option->add_result(value);
+    option->run_callback();
+  }
+}
+
 OptionState::Source SourceOf(const CLI::App& app, const CLI::Option& option) {
   using Source = OptionState::Source;
   // The library lists the options that the command line has.
   const auto& flags = app.parse_order();
   if (std::find(flags.begin(), flags.end(), &option) != flags.end()) return Source::kFlag;
   if (option.count() == 0) return Source::kDefault;
-  const char* variable = option.get_envname().empty() ? nullptr : std::getenv(option.get_envname().c_str());
-  return variable != nullptr && *variable != '\0' ? Source::kEnvironment : Source::kFile;
+  return VariableOf(option).empty() ? Source::kFile : Source::kEnvironment;
 }
 
 }  // namespace
@@ -350,6 +365,7 @@ std::string CommandParser::WithPlace(const std::string& error) const {
 std::string CommandParser::Parse(std::vector<std::string> words) try {
   std::reverse(words.begin(), words.end());  // as the library wants vectors
   library_->app.parse(std::move(words));
+  TakeIgnoredVariables(library_->app);
   return "";
 } catch (const CLI::CallForHelp&) {
   if (GivenCommand() == nullptr) RefuseUnknownWord();
