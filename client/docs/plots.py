@@ -29,9 +29,9 @@ def draw_way(latvox, folder):
     width, x, y = map(int, run("convert", picture, "-trim", "-format", "%w %X %Y", "info:").split())
     scale = width / (max(j for j, _ in cells) + 1 - left)  # pixels a cell
     way = [(x + (j + 0.5 - left) * scale, y + (top + 0.5 - k) * scale) for _, j, k in leak["path"]]
-    corners = " ".join(f"{right:.1f},{down:.1f}" for right, down in way)
-    line = f"stroke #d62728 stroke-width 3 fill none stroke-linejoin round polyline {corners}"
-    run("convert", picture, "-draw", line, picture)
+    # Lines, because ImageMagick 7.1 closes a polyline.
+    lines = " ".join("line {:.1f},{:.1f} {:.1f},{:.1f}".format(*a, *b) for a, b in zip(way, way[1:]))
+    run("convert", picture, "-draw", f"stroke #d62728 stroke-width 3 stroke-linecap round {lines}", picture)
 
 
 def steps(row):
