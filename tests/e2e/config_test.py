@@ -317,7 +317,7 @@ class RunningServer(Case):
         good, bad = [line for line in lines if line["event"] == "request"]
         self.assertRegex(good["time"], r"^\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\.\d{3}Z$")
         self.assertEqual((good["level"], good["code"], good["lattice"], good["triangles"]), ("info", "OK", "bcc", 8))
-        self.assertRegex(good["request_id"], "^[0-9a-f]{8}-\d+$")
+        self.assertRegex(good["request_id"], r"^[0-9a-f]{8}-\d+$")
         self.assertIsInstance(good["total_ms"], float)
         self.assertEqual(bad["code"], "INVALID_ARGUMENT")
         self.assertIn("basis", bad["error"])
