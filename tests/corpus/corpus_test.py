@@ -57,6 +57,12 @@ class Exceptions(unittest.TestCase):
         self.assertEqual(outdated([], {"p"}), ["p a*.obj: an exception for no file"])
         self.assertEqual(outdated([], {"r"}), [])
 
+    def test_of_another_release_of_debian_need_no_file(self):
+        for release, complaints in ((exceptions.RELEASE, ["p *: an exception for no file"]), ("another", [])):
+            entries = exceptions.parse(f"p * [{release}]\n*\nBroken.\n")
+            self.assertTrue(entries[0].names("p a.obj"))
+            self.assertEqual(exceptions.outdated([], entries, {"p"}), complaints)
+
 
 class Programs(unittest.TestCase):
     def test_that_hang_or_end_are_replaced(self):

@@ -2,9 +2,11 @@
 
 import dataclasses
 import pathlib
+import platform
 import re
 
 HERE = pathlib.Path(__file__).resolve().parent
+RELEASE = platform.freedesktop_os_release().get("VERSION_CODENAME")
 
 
 def matches(pattern, text):
@@ -17,6 +19,7 @@ class Entry:
     files: str  # a pattern of MeshFile's text
     expected: str  # a pattern of the difference
     reason: str
+    release: str | None = None  # of Debian, the only one whose package has the files
 
     def names(self, file):
         return matches(self.files, str(file))
@@ -26,7 +29,8 @@ class Entry:
 
 
 def parse(text):
-    """Returns the entries of paragraphs: the files, the expected difference, and the reason in one or more lines."""
+    """Returns the entries of paragraphs: the files, with the one release of Debian that has them, as in "[trixie]"; the
+    expected difference; and the reason in one or more lines."""
     entries = []
     for paragraph in text.split("\n\n"):
         lines = [line for line in paragraph.splitlines() if not line.startswith("#")]
@@ -34,7 +38,9 @@ def parse(text):
             continue
         if len(lines) < 3:
             raise SystemExit(f"corpus: the entry {lines} has fewer than three lines")
-        entries.append(Entry(lines[0].strip(), lines[1].strip(), " ".join(line.strip() for line in lines[2:])))
+        files, _, release = lines[0].strip().removesuffix("]").partition(" [")
+        reason = " ".join(line.strip() for line in lines[2:])
+        entries.append(Entry(files, lines[1].strip(), reason, release or None))
     return entries
 
 
@@ -53,7 +59,7 @@ def outdated(results, entries, packages):
     """
     complaints = []
     for entry in entries:
-        if entry.files.split()[0] not in packages:
+        if entry.files.split()[0] not in packages or entry.release not in (None, RELEASE):
             continue
         named = [(file, difference) for file, difference in results if entry_of(file, entries) is entry]
         if not named:
