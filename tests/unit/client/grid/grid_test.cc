@@ -223,7 +223,10 @@ TEST_F(Grid, EveryFieldIsReadBackAsItWasWritten) {
     fields.back().bytes.resize(2 * fields.back().bytes_of_voxel());
   }
   FieldGrids grids(kSkew, names, kLabels);
-  grids.SetCertificate({.fields = {{Field::kLabelFractions, ""}}, .fraction_labels = kLabels});
+  Certificate certificate;
+  certificate.fields = {{Field::kLabelFractions, ""}};
+  certificate.fraction_labels = kLabels;
+  grids.SetCertificate(certificate);
   ASSERT_TRUE(grids.Add({{&brick, 1}, 1, fields}).ok());
   ASSERT_TRUE(grids.Write(Path("f.vdb")).ok());
   ASSERT_TRUE(grids.WriteNano(Path("f.nvdb")).ok());

@@ -220,7 +220,9 @@ TEST(FieldsCall, HaveANumberForEachNeighbor) {
   EXPECT_EQ(all->accepted.neighbors, (std::vector<Vec3i>{{-1, 0, 0}, {1, 0, 0}}));
   EXPECT_EQ(all->fields[1].components(), 2U);
   ForEachVoxel(*all, [](const Voxel& voxel) {
-    if (voxel.number == 5) EXPECT_THAT(voxel.Of<float>(Field::kLinks), ElementsAre(1, 0.5F));
+    if (voxel.number == 5) {
+      EXPECT_THAT(voxel.Of<float>(Field::kLinks), ElementsAre(1, 0.5F));
+    }
   });
   const auto breach = [&](size_t field, const std::string& first, const char* says) {
     Columns columns = good;
@@ -293,7 +295,9 @@ TEST(FieldsCall, FractionsOfLabelsAreOfTheLabelsThatWereAskedFor) {
   ASSERT_TRUE(all.ok()) << all.status();
   EXPECT_EQ(all->fields[0].labels, (Labels{3, 7}));
   ForEachVoxel(*all, [](const Voxel& voxel) {
-    if (voxel.number == 5) EXPECT_THAT(voxel.Of<uint16_t>(Field::kLabelFractions), ElementsAre(1, 5));
+    if (voxel.number == 5) {
+      EXPECT_THAT(voxel.Of<uint16_t>(Field::kLabelFractions), ElementsAre(1, 5));
+    }
   });
   const auto message = [&](const Labels& accepted, const Labels& certified, uint16_t last) {
     return std::string(call(accepted, certified, last).status().message());
