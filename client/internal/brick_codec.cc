@@ -161,7 +161,8 @@ LATVOX_SSSE3 bool UnpackAllFast(const uint8_t*& in, const uint8_t* end, Brick* b
 #endif
 
 // Reads `count` octrees into the bricks' masks. False: one of them is not valid.
-bool UnpackAll(const uint8_t*& in, const uint8_t* end, Brick* bricks, size_t count, UnpackKernel kernel) {
+bool UnpackAll(const uint8_t*& in, const uint8_t* end, Brick* bricks, size_t count,
+               [[maybe_unused]] UnpackKernel kernel) {
 #if defined(__x86_64__)
   if (kernel == UnpackKernel::kSsse3) return UnpackAllFast(in, end, bricks, count);
 #endif

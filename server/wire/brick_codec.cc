@@ -190,7 +190,7 @@ PackKernel BestPackKernel() {
   return PackKernel::kPortable;
 }
 
-uint8_t* PackTile(const TileBricks& tile, uint8_t* out, PackKernel kernel) {
+uint8_t* PackTile(const TileBricks& tile, uint8_t* out, [[maybe_unused]] PackKernel kernel) {
   std::memcpy(out, &tile.tile_ijk, sizeof(tile.tile_ijk));
   out += sizeof(tile.tile_ijk);
   BrickMask which = {};
