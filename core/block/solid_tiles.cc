@@ -4,8 +4,10 @@
 #include <bit>
 #include <cstdlib>
 #include <cstring>
+#include <string>
 #include <utility>
 
+#include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "core/brick/tile_order.h"
 #include "core/solid/balance.h"
@@ -14,6 +16,19 @@
 
 namespace latvox {
 namespace {
+
+std::string WithoutOrientation(bool closed, InteriorRule rule) {
+  return closed ? absl::StrFormat(" with one orientation, as the rule %s asks", NameOf(rule)) : "";
+}
+
+//   lines   "lattice lines", or those of a label
+//   more    further facts
+std::string NoInside(uint64_t unbalanced, const char* lines, const std::string& more) {
+  return unbalanced == 0
+             ? absl::StrFormat(", although all %s along k end balanced%s; force_open fills along them", lines, more)
+             : absl::StrFormat(", and %d %s along k end unbalanced%s; force_open fills the others", unbalanced, lines,
+                               more);
+}
 
 BitsLayout LayoutOf(const Vec3i& tile_ijk) { return {tile_ijk * kTileSide, {}}; }
 
@@ -28,9 +43,8 @@ absl::StatusOr<std::unique_ptr<const Interior>> MakeInterior(const SnappedMesh& 
   const bool has_inside = rule == InteriorRule::kParity ? closed : oriented;
   unbalanced_lines = has_inside ? 0 : CountUnbalancedLines(mesh, rule, stop);
   if (!has_inside && !solid.force_open && !stop.Stopped()) {
-    return absl::InvalidArgumentError(absl::StrFormat(
-        "mesh: it is not closed%s, and %d lattice lines along k end unbalanced; force_open fills the others",
-        closed ? absl::StrFormat(" with one orientation, as the rule %s asks", NameOf(rule)) : "", unbalanced_lines));
+    return absl::InvalidArgumentError(absl::StrCat("mesh: it is not closed", WithoutOrientation(closed, rule),
+                                                   NoInside(unbalanced_lines, "lattice lines", "")));
   }
   std::unique_ptr<const Interior> interior =
       has_inside ? MakeClosedInterior(mesh, rule, region, stop) : MakeOpenInterior(mesh, rule, region, stop);
@@ -47,13 +61,12 @@ absl::StatusOr<std::unique_ptr<const Interior>> MakeLabeledInterior(const Snappe
   unbalanced_lines = balance.unbalanced_lines;
   const bool has_inside = balance.open_labels == 0;
   if (!has_inside && !solid.force_open && !stop.Stopped()) {
-    return absl::InvalidArgumentError(absl::StrFormat(
-        "mesh: %s %d is not closed%s, and %d of its lattice lines along k end unbalanced%s; force_open fills the "
-        "others",
-        NameOf(labels.field), balance.first_open,
-        balance.first_closed ? absl::StrFormat(" with one orientation, as the rule %s asks", NameOf(rule)) : "",
-        balance.first_lines,
-        balance.open_labels == 1 ? "" : absl::StrFormat("; %d labels in all have no inside", balance.open_labels)));
+    return absl::InvalidArgumentError(absl::StrCat(
+        absl::StrFormat("mesh: %s %d is not closed", NameOf(labels.field), balance.first_open),
+        WithoutOrientation(balance.first_closed, rule),
+        NoInside(
+            balance.first_lines, "of its lattice lines",
+            balance.open_labels == 1 ? "" : absl::StrCat("; ", balance.open_labels, " labels in all have no inside"))));
   }
   std::unique_ptr<const Interior> interior = has_inside ? MakeClosedLabeledInterior(mesh, labels, rule, region, stop)
                                                         : MakeOpenLabeledInterior(mesh, labels, rule, region, stop);

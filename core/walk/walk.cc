@@ -132,6 +132,11 @@ absl::Status Walk::FindStart(WalkPass& pass, const std::optional<std::vector<uin
   Leak leak = gets_outside ? FindLeak(pass, kept, stop) : Leak{.path = {}};
   leak.from = seed;
   if (stop.Stopped()) return Cancelled();
+  if (plan_.from_seed && !mesh_.box.Contains(*plan_.start)) {
+    return SeedError(absl::StrCat("the nearest lattice point, ", Shown(seed),
+                                  ", lies outside of the mesh's box; allow_outside allows it"),
+                     seed);
+  }
   if (plan_.from_seed) {
     return SeedError(absl::StrCat("the walk from the nearest lattice point, ", Shown(seed), ", gets outside",
                                   WayOut(leak), "; close may close it, and allow_outside allows it"),

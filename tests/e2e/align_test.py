@@ -28,6 +28,12 @@ class Align(Case):
         for (i, j, k), world in rows(self.dir / "second.csv").items():
             self.assertEqual(world, (10 + i / 4 + j / 8, -3 + j / 4 + k / 16, 0.125 + k / 2))
 
+    def test_a_job_is_not_aligned_to_an_object_of_a_store(self):
+        (self.dir / "jobs.jsonl").write_text(json.dumps({"mesh": str(BUNNY), "align": "s3://b/first.vdb", "out": "a.csv"}))
+        done = latvox("batch", self.dir / "jobs.jsonl", "--out", self.dir / "out")
+        self.assertEqual(done.returncode, 3, done.stderr)
+        self.assertIn("align: s3://b/first.vdb: is no file of this machine; download it", done.stderr)
+
     def test_jobs_are_aligned_to_files_beside_theirs_and_done_again_for_another_grid(self):
         mesh = write_obj(self.dir / "a.obj", octahedron(2))
         job = {"mesh": "a.obj", "align": "first.vdb", "quantization": 16, "out": "a.csv"}

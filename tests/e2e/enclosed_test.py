@@ -5,7 +5,7 @@ import pathlib
 import re
 import unittest
 
-from harness import Case, box, latvox, rows, write_obj
+from harness import Case, box, latvox, octahedron, rows, write_obj
 
 PAGE = pathlib.Path(__file__).resolve().parents[2] / "client/docs/sets.md"
 CABIN, TUNNEL = "2.1,0.9,1.3", "-2,1,2"
@@ -33,6 +33,21 @@ class Enclosed(Case):
         self.assertGreater(closed["voxels"], leaky["voxels"])
         text = latvox("voxelize", self.car, *self.grid, "--set", "enclosed", "--leak-from", CABIN, "-o", self.dir / "a.csv")
         self.assertIn("through an opening around", text.stdout)
+
+    def test_a_point_outside_of_the_mesh_is_no_leak(self):
+        cube = write_obj(self.dir / "cube.obj", box((0, 0, 0), (1, 1, 1)))
+        ball = write_obj(self.dir / "ball.obj", octahedron())
+        for mesh, point, text in (
+            (cube, "5,5,5", "no leak: lattice point 59,59,59 lies outside of the mesh's box"),
+            (ball, "0.9,0.9,0.9", "no leak: the mesh is closed, and lattice point "),
+        ):
+            done = latvox("voxelize", mesh, "--resolution", 12, "--set", "enclosed", "--leak-from", point, "-o", self.dir / "a.csv")
+            self.assertIn(text, done.stdout)
+            self.assertNotIn("opening", done.stdout)
+        done = latvox("voxelize", cube, "--resolution", 12, "--set", "region", "--seed", "5,5,5", "-o", self.dir / "b.csv")
+        self.assertEqual(done.returncode, 3, done.stderr)
+        self.assertRegex(done.stderr, "the nearest lattice point, .*, lies outside of the mesh's box")
+        self.assertNotIn("opening", done.stderr)
 
     def test_the_fluid_around_a_car_is_not_in_its_cabin(self):
         fluid = ("--set", "region", "--seed", TUNNEL)

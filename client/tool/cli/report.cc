@@ -121,8 +121,15 @@ std::string FillText(const Certificate& certificate) {
   return text;
 }
 
-std::string LeakText(const Leak& leak, double voxel_size) {
+// A way around a closed mesh leads through no opening.
+std::string LeakText(const Leak& leak, bool closed, double voxel_size) {
   const std::string from = absl::StrJoin(leak.from, ",");
+  if (leak.kind == Leak::Kind::kFound && leak.steps == 0) {
+    return absl::StrCat("no leak: lattice point ", from, " lies outside of the mesh's box\n");
+  }
+  if (closed && (leak.kind == Leak::Kind::kFound || leak.kind == Leak::Kind::kBoxTooLarge)) {
+    return absl::StrCat("no leak: the mesh is closed, and lattice point ", from, " lies outside of it\n");
+  }
   switch (leak.kind) {
     case Leak::Kind::kNone:
       return absl::StrCat("no leak: lattice point ", from, " is enclosed\n");
@@ -147,7 +154,7 @@ std::string WalkText(const Certificate& certificate, double voxel_size) {
   if (!walk->largest_cavities.empty())
     absl::StrAppend(&text, ", the largest of ", walk->largest_cavities[0], " points");
   text += "\n";
-  return walk->leak ? text + LeakText(*walk->leak, voxel_size) : text;
+  return walk->leak ? text + LeakText(*walk->leak, certificate.closed, voxel_size) : text;
 }
 
 std::string FieldsText(const Certificate& certificate) {
