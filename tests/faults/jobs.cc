@@ -32,7 +32,8 @@ absl::StatusOr<std::vector<Job>> ReadJobs(const std::string& path, const std::ve
   if (!table.is_array()) return absl::InvalidArgumentError(absl::StrCat(path, ": not an array of jobs"));
   std::vector<Job> jobs;
   for (const nlohmann::json& json : table) {
-    if (!names.empty() && std::find(names.begin(), names.end(), json.at("name")) == names.end()) continue;
+    const std::string name = json.at("name");
+    if (!names.empty() && std::find(names.begin(), names.end(), name) == names.end()) continue;
     auto job = JobOf(json);
     if (!job.ok()) return job.status();
     jobs.push_back(*std::move(job));
