@@ -19,7 +19,8 @@ ALONE = [f"-D{name}=OFF" for name in ("LATVOX_BUILD_SERVER", "LATVOX_BUILD_TOOL"
 # Dependencies of the rest of the repository, as names of CMake packages, and as parts of file names.
 FOREIGN = ("Boost", "CLI11", "OpenVDB", "PNG", "TBB", "hwy", "prometheus-cpp", "spdlog")
 FOREIGN_FILE = r"boost|CLI/|CLI11|openvdb|nanovdb|Imath|libpng|png\.h|tbb|hwy|prometheus|spdlog|toml\+\+|/fmt/"
-MODULES = ("libxxhash", "libzip", "libzstd", "re2")  # of pkg-config; gRPC's package requires the last one
+# Modules of pkg-config. gRPC's package requires re2, and this one requires Abseil's on Debian 13.
+MODULES = ("libxxhash.pc", "libzip.pc", "libzstd.pc", "re2.pc", "absl_*.pc")
 KINDS = ("static", "shared")
 
 CACHED = {"CCACHE_NOHASHDIR": "1", "CCACHE_SLOPPINESS": "pch_defines,time_macros"}
@@ -66,9 +67,9 @@ class Kind:
         self.build, self.prefix, self.examples = folder / "sdk", folder / "prefix", folder / "build"
         modules = folder / "modules"
         modules.mkdir(parents=True)
-        for name in MODULES:
-            found = run("pkg-config", "--variable=pcfiledir", name).strip()
-            (modules / f"{name}.pc").symlink_to(pathlib.Path(found) / f"{name}.pc")
+        system = pathlib.Path(run("pkg-config", "--variable=pcfiledir", "re2").strip())
+        for module in (module for name in MODULES for module in system.glob(name)):
+            (modules / module.name).symlink_to(module)
         self.cached = os.environ | CACHED | {"CCACHE_BASEDIR": str(folder.parent)}
         missing = [f"-DCMAKE_DISABLE_FIND_PACKAGE_{name}=ON" for name in FOREIGN]
         self.said = configure(source, self.build, *ALONE, *missing, f"-DBUILD_SHARED_LIBS={'ON' if shared else 'OFF'}",
