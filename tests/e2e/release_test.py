@@ -21,7 +21,7 @@ RELEASED = "proto/released/latvox/v1/voxelizer.proto"
 # Stubs: path in the repository or in PATH -> script.
 STUBS = {
     "deploy/install-packages": "",
-    "deploy/packaging/build": 'mkdir -p build/packages/docs; cd build/packages; touch latvox_own.deb docs/index.html; echo libcurl.so.4 >late_libraries.txt',
+    "deploy/packaging/build": 'tree=build${1:+/$1}/packages; mkdir -p $tree/docs; cd $tree; touch latvox_${1:-own}.deb docs/index.html; echo libcurl.so.4 >late_libraries.txt',
     "deploy/packaging/in-debian": 'mkdir -p build/$1/packages; touch "build/$1/packages/latvox_$1.deb"; [[ $2 == *build ]] || LATVOX_TREE=build/$1/packages $2',
     "deploy/packaging/tarball": 'touch "${LATVOX_TREE:-build/packages}/latvox-0-linux-$(uname -m).tar.gz"',
     "deploy/sbom": 'echo "{}" "$@"',
@@ -31,6 +31,7 @@ PROGRAMS = {
     "abidw": 'while [[ $1 != --out-file ]]; do shift; done; echo "$ABI" >"$2"',
     "abidiff": 'cmp -s "$2" "$3" || exit 4',
     "docker": "exit 1",
+    "dpkg": "echo amd64",
 }
 
 
@@ -92,7 +93,7 @@ class Release(unittest.TestCase):
         text = self.made("0.1.0")
         folder = self.repository / "build/releases/0.1.0"
         names = {"latvox-0.1.0.tar.gz", "latvox-0.1.0-docs.tar.gz", "latvox-0.1.0.spdx.json", "latvox-gateway-0.1.0.spdx.json", "latvox-0.1.0.abi.tar.gz",
-                 "latvox_own.deb", f"latvox-0-linux-{platform.machine()}.tar.gz"}  # fmt: skip
+                 "latvox_own.deb", "latvox_arm64.deb", f"latvox-0-linux-{platform.machine()}.tar.gz"}  # fmt: skip
         sums = dict(reversed(line.split("  ")) for line in (folder / "SHA256SUMS").read_text().splitlines())
         self.assertLessEqual(names, sums.keys())
         self.assertEqual({path.name for path in folder.iterdir()} - {"SHA256SUMS"}, sums.keys())
