@@ -15,7 +15,6 @@
 namespace latvox::client {
 namespace {
 
-constexpr int64_t kMagic = 0x56444220;
 constexpr uint64_t kBytesOfUuid = 36;
 constexpr uint64_t kLeastGrid = 3 * 4 + 3 * 8;                // three texts and three places
 constexpr uint64_t kLeastMetadata = 3 * 4;                    // two texts and a size
@@ -77,7 +76,7 @@ class FrameReader {
   }
 
   void ReadHeader() {
-    if (size_ < sizeof(kMagic) || Get<int64_t>() != kMagic) Fail("it does not begin like one");
+    if (size_ < sizeof(kVdbMagic) || Get<int64_t>() != kVdbMagic) Fail("it does not begin like one");
     const auto version = Get<uint32_t>();
     if (version != openvdb::OPENVDB_FILE_VERSION) {
       Fail("its format is ", version, ", not ", uint32_t{openvdb::OPENVDB_FILE_VERSION});

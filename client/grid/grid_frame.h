@@ -21,6 +21,7 @@ namespace latvox::client {
 //              first place compression, metadata and transform
 //
 // Counts and sizes have 32 bits, places 64. A text has its size first.
+inline constexpr int64_t kVdbMagic = 0x56444220;
 inline constexpr char kDelayedLoadType[] = "__delayedload";  // of metadata about places in the file
 
 struct FrameMetadata {

@@ -17,6 +17,7 @@
 #include "absl/strings/str_cat.h"
 #include "client/grid/grid_archive.h"
 #include "client/grid/nano_archive.h"
+#include "client/grid/nano_names.h"
 #include "client/grid/open_file.h"
 #include "client/grid/openvdb_trees.h"
 #include "client/internal/printable.h"
@@ -30,7 +31,7 @@ template <class Read>
 auto WithArchive(std::istream& in, const std::string& path, const Read& read)
     -> decltype(read(std::declval<GridArchive&>())) {
   std::string why;
-  const bool is_nano = IsNanoFile(in);
+  const bool is_nano = IsNanoMagic(ReadMagic(in));
   try {
     openvdb::initialize();
     const auto archive = is_nano ? OpenNanoArchive(in) : OpenVdbArchive(in);

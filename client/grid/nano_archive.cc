@@ -6,12 +6,13 @@
 #include <stdexcept>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "client/grid/grid_metadata.h"
 #include "client/grid/metadata_types.h"
+#include "client/grid/nano_codec.h"
 #include "client/grid/nano_facts.h"
+#include "client/grid/nano_frame.h"
 #include "client/internal/printable.h"
 
 namespace latvox::client {
@@ -66,21 +67,17 @@ openvdb::GridBase::Ptr ToOpenGrid(const nanovdb::GridHandle<>& handle) {
 class NanoArchive final : public GridArchive {
  public:
   explicit NanoArchive(std::istream& in) : in_(in) {
-    in_.exceptions(std::ios::failbit | std::ios::badbit | std::ios::eofbit);
-    in_.seekg(0, std::ios::end);
-    const auto size = static_cast<uint64_t>(in_.tellg());
-    in_.seekg(0);
-    for (uint64_t at = 0; at < size;) at = ReadSegment(size);
+    for (NanoFrameGrid& grid : ReadNanoFrame(in_)) {
+      names_.insert(grid.name);
+      grids_.emplace(grid.name, std::move(grid));
+    }
   }
 
   openvdb::GridBase::Ptr ReadGrid(const std::string& name) override {
-    const Place& place = places_.at(name);
-    auto buffer = nanovdb::HostBuffer::create(place.bytes);
-    in_.seekg(static_cast<std::streamoff>(place.at));
-    in_.read(reinterpret_cast<char*>(buffer.data()), static_cast<std::streamsize>(place.bytes));
+    const NanoFrameGrid& frame = grids_.at(name);
+    auto buffer = ReadNanoGrid(in_, frame);
     auto& data = *reinterpret_cast<nanovdb::GridData*>(buffer.data());
-    if (!IsNanoMagic(data.mMagic)) throw std::runtime_error("it has no grid behind its header");
-    if (data.mGridSize > place.bytes) throw std::runtime_error("it is cut short");
+    CheckNanoData(frame, data);
     data.mGridIndex = 0;  // a handle would look for the grids of the file, and only one is here
     data.mGridCount = 1;
     const nanovdb::GridHandle<> handle(std::move(buffer));
@@ -90,74 +87,30 @@ class NanoArchive final : public GridArchive {
       throw std::runtime_error(absl::StrCat("the grid \"", Printable(name), "\" is a ", type,
                                             ", neither a bool, a float, an int32 nor a Vec3f"));
     }
-    grid->setName(name);
-    grid->setTransform(MakeTransform(NanoTransform(data)));
-    if (data.mGridClass == nanovdb::GridClass::LevelSet) grid->setGridClass(openvdb::GRID_LEVEL_SET);
-    InsertTexts(NanoMetadata(data,
-                             [&handle](uint64_t at, void* to, uint64_t bytes) {
-                               if (at > handle.size() || bytes > handle.size() - at) return false;
-                               std::memcpy(to, reinterpret_cast<const char*>(handle.data()) + at, bytes);
-                               return true;
-                             }),
-                *grid);
+    const auto metadata = NanoMetadata(data, [&handle](uint64_t at, void* to, uint64_t bytes) {
+      if (at > handle.size() || bytes > handle.size() - at) return false;
+      std::memcpy(to, reinterpret_cast<const char*>(handle.data()) + at, bytes);
+      return true;
+    });
+    DescribeNano(name, data, metadata, *grid);
     return grid;
   }
 
  private:
-  struct Place {
-    uint64_t at, bytes;
-  };
-
-  template <class T>
-  T Get() {
-    T value;
-    in_.read(reinterpret_cast<char*>(&value), sizeof(value));
-    return value;
-  }
-
-  // Reads the names of a segment's grids, and goes to its end, which it returns. Throws std::runtime_error.
-  uint64_t ReadSegment(uint64_t size) {
-    const auto header = Get<NanoFileHeader>();
-    if (!IsNanoMagic(header.magic)) throw std::runtime_error("it goes on with something else");
-    if (header.version.getMajor() != NANOVDB_MAJOR_VERSION_NUMBER) {
-      throw std::runtime_error(absl::StrCat("it has version ", header.version.getMajor(), " of the format, not ",
-                                            NANOVDB_MAJOR_VERSION_NUMBER));
-    }
-    std::vector<std::pair<std::string, uint64_t>> grids;
-    for (uint16_t n = 0; n < header.gridCount; ++n) {
-      const auto grid = Get<NanoMetaData>();
-      if (grid.codec != nanovdb::io::Codec::NONE) throw std::runtime_error("it is compressed");
-      if (grid.nameSize > kMostNanoText) throw std::runtime_error("the name of a grid is too long");
-      std::string name(grid.nameSize, '\0');
-      in_.read(name.data(), static_cast<std::streamsize>(name.size()));
-      grids.emplace_back(name.c_str(), grid.gridSize);
-    }
-    auto at = static_cast<uint64_t>(in_.tellg());
-    for (const auto& [name, bytes] : grids) {
-      if (bytes > size - at) throw std::runtime_error("it is cut short");
-      if (bytes < sizeof(nanovdb::GridData)) throw std::runtime_error("a grid is smaller than its header");
-      names_.insert(name);
-      places_.emplace(name, Place{at, bytes});
-      at += bytes;
-    }
-    in_.seekg(static_cast<std::streamoff>(at));
-    return at;
-  }
-
   std::istream& in_;
-  std::map<std::string, Place> places_;  // of the first grid of each name
+  std::map<std::string, NanoFrameGrid> grids_;  // the first of each name
 };
 
 }  // namespace
 
-bool IsNanoFile(std::istream& in) {
-  uint64_t magic = 0;
-  in.read(reinterpret_cast<char*>(&magic), sizeof(magic));
-  in.clear();
-  in.seekg(0);
-  return IsNanoMagic(magic);
-}
-
 std::unique_ptr<GridArchive> OpenNanoArchive(std::istream& in) { return std::make_unique<NanoArchive>(in); }
+
+void DescribeNano(const std::string& name, const nanovdb::GridData& data,
+                  const std::vector<std::pair<std::string, std::string>>& metadata, openvdb::GridBase& grid) {
+  grid.setName(name);
+  grid.setTransform(MakeTransform(NanoTransform(data)));
+  if (data.mGridClass == nanovdb::GridClass::LevelSet) grid.setGridClass(openvdb::GRID_LEVEL_SET);
+  InsertTexts(metadata, grid);
+}
 
 }  // namespace latvox::client

@@ -22,6 +22,14 @@ absl::StatusOr<std::ifstream> OpenGridFile(const std::string& path) {
   return absl::InvalidArgumentError(absl::StrCat(path, ": cannot be opened (", std::strerror(errno), ")"));
 }
 
+uint64_t ReadMagic(std::istream& in) {
+  uint64_t magic = 0;
+  const bool is_there = in.read(reinterpret_cast<char*>(&magic), sizeof(magic)).good();
+  in.clear();
+  in.seekg(0);
+  return is_there ? magic : 0;
+}
+
 absl::Status NoGrid(const std::string& path) {
   return absl::InvalidArgumentError(absl::StrCat(path, ": holds no grid"));
 }

@@ -1,8 +1,10 @@
-// Opens .vdb files, without OpenVDB. Internal to latvox::grid.
+// Opens .vdb and .nvdb files, without OpenVDB. Internal to latvox::grid.
 #ifndef LATVOX_CLIENT_GRID_OPEN_FILE_H_
 #define LATVOX_CLIENT_GRID_OPEN_FILE_H_
 
+#include <cstdint>
 #include <fstream>
+#include <istream>
 #include <string>
 
 #include "absl/status/status.h"
@@ -12,6 +14,9 @@ namespace latvox::client {
 
 // Opens a regular file. Errors: NOT_FOUND; INVALID_ARGUMENT, with the path.
 absl::StatusOr<std::ifstream> OpenGridFile(const std::string& path);
+
+// Returns the first 8 bytes of a file; 0 if it has fewer. The place in `in` is then its begin.
+uint64_t ReadMagic(std::istream& in);
 
 // Returns INVALID_ARGUMENT, with the path.
 absl::Status NoGrid(const std::string& path);

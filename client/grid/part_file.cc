@@ -1,85 +1,20 @@
 #include "client/grid/part_file.h"
 
-#include <openvdb/io/Archive.h>
-#include <openvdb/io/GridDescriptor.h>
-
 #include <cerrno>
 #include <cstring>
 #include <exception>
 #include <filesystem>
 #include <new>
-#include <sstream>
 #include <stdexcept>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "client/grid/grid_frame.h"
-#include "client/grid/grid_reading.h"
+#include "client/grid/nano_names.h"
+#include "client/grid/open_file.h"
 #include "client/internal/printable.h"
-#include "latvox/grid/voxel_grid.h"
 
 namespace latvox::client {
-namespace {
-
-constexpr int64_t kLeafBytes = 140;
-
-bool IsBand(const FrameGrid& grid) {
-  return grid.type == openvdb::FloatGrid::gridType() && grid.name == NameOf(Field::kDistance);
-}
-
-// Refuses what OpenVDB's own reader does not check. Returns the first grid.
-const FrameGrid& CheckFrame(const GridFrame& frame) {
-  if (frame.grids.empty()) throw std::runtime_error("it holds no grid");
-  const FrameGrid& grid = frame.grids.front();
-  if (grid.type != openvdb::BoolGrid::gridType() && !IsBand(grid)) {
-    throw std::runtime_error(absl::StrCat("its first grid is a ", Printable(grid.type)));
-  }
-  if (grid.transform == openvdb::math::NonlinearFrustumMap::mapType()) {
-    throw std::runtime_error("its transform is not affine");
-  }
-  return grid;
-}
-
-// Reads the value from bytes in memory, where no length can lead OpenVDB beyond them.
-openvdb::Metadata::Ptr ToMetadata(const FrameMetadata& metadata) {
-  const auto size = static_cast<openvdb::Index32>(metadata.value.size());
-  std::istringstream bytes(std::string(reinterpret_cast<const char*>(&size), sizeof(size)) + metadata.value);
-  const openvdb::Metadata::Ptr value = openvdb::Metadata::createMetadata(metadata.type);
-  value->read(bytes);
-  return value;
-}
-
-// The places of the grid's sections, which io::File reads when it opens a file, and does not show.
-struct Frame : openvdb::io::Archive {
-  openvdb::io::GridDescriptor descriptor;
-  openvdb::GridBase::Ptr grid;
-
-  // Precondition: `first` is the result of CheckFrame.
-  void Read(std::istream& in, const FrameGrid& first) {
-    in.seekg(0);
-    readHeader(in);
-    setFormatVersion(in);
-    setLibraryVersion(in);
-    openvdb::MetaMap().readMeta(in);
-    readGridCount(in);
-    grid = descriptor.read(in);
-    grid->clearMetadata();
-    for (const FrameMetadata& each : first.metadata) {
-      if (each.type != kDelayedLoadType) grid->insertMeta(each.name, *ToMetadata(each));
-    }
-    in.seekg(static_cast<std::streamoff>(first.transform_at));
-    grid->readTransform(in);
-  }
-};
-
-std::string DigestIn(const openvdb::GridBase& grid) {
-  const auto digest = grid.getMetadata<openvdb::StringMetadata>("latvox_digest");
-  if (!digest) throw std::runtime_error("its metadata has no latvox_digest");
-  return digest->value();
-}
-
-}  // namespace
-
 absl::Status PartFile::OpenStream() {
   std::error_code error;
   if (std::filesystem::is_directory(path_, error)) {
@@ -95,32 +30,22 @@ absl::Status PartFile::OpenStream() {
   return absl::InvalidArgumentError(message);
 }
 
-void PartFile::ReadFrame() {
-  file_.exceptions(std::ios::failbit | std::ios::badbit | std::ios::eofbit);
-  const GridFrame all = ReadGridFrame(file_, std::filesystem::file_size(path_));
-  const FrameGrid& first = CheckFrame(all);
-  has_fields_ = IsBand(first) || all.grids.size() > 1;
-  Frame frame;
-  frame.Read(file_, first);
-  grid_ = frame.grid;
-  if (!IsAffine(grid_->transform())) throw std::runtime_error("its transform is not affine and finite");
-  recorded_ = DigestIn(*grid_);
-  if (has_fields_) return;
-  leaves_begin_ = frame.descriptor.getBlockPos();
-  const int64_t bytes = frame.descriptor.getEndPos() - leaves_begin_;
-  if (bytes % kLeafBytes != 0) {
-    throw std::runtime_error("its grid does not lie within it");
-  }
-  leaves_ = static_cast<uint64_t>(bytes / kLeafBytes);
-}
-
 absl::StatusOr<std::unique_ptr<PartFile>> PartFile::Open(const std::string& path) {
   openvdb::initialize();
   std::unique_ptr<PartFile> part(new PartFile(path));
   if (auto status = part->OpenStream(); !status.ok()) return status;
+  const uint64_t magic = ReadMagic(part->file_);
+  const bool is_nano = IsNanoMagic(magic);
+  if (!is_nano && magic != kVdbMagic) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(path,
+                     ": is not a whole .vdb or .nvdb file that latvox wrote, as parts must be; latvox convert writes "
+                     "the whole in other formats"));
+  }
   std::string why;
   try {
-    part->ReadFrame();
+    part->file_.exceptions(std::ios::failbit | std::ios::badbit | std::ios::eofbit);
+    part->frame_ = is_nano ? ReadNanoPart(part->file_) : ReadVdbPart(part->file_, std::filesystem::file_size(path));
     part->Rewind();
     return part;
   } catch (const std::bad_alloc&) {
@@ -130,7 +55,8 @@ absl::StatusOr<std::unique_ptr<PartFile>> PartFile::Open(const std::string& path
   } catch (const std::exception& error) {
     why = Printable(error.what());
   }
-  return absl::InvalidArgumentError(absl::StrCat(path, ": is not a whole .vdb file that latvox wrote (", why, ")"));
+  return absl::InvalidArgumentError(
+      absl::StrCat(path, ": is not a whole ", is_nano ? ".nvdb" : ".vdb", " file that latvox wrote (", why, ")"));
 }
 
 void PartFile::Rewind() {
@@ -138,13 +64,13 @@ void PartFile::Rewind() {
   read_ = 0;
   place_.reset();
   digest_ = Digest();
-  file_.seekg(leaves_begin_);
+  file_.seekg(static_cast<std::streamoff>(frame_.leaves_at));
 }
 
 const Leaf* PartFile::Next() {
   if (!status_.ok()) return nullptr;
   try {
-    if (read_ == leaves_) return CheckDigest(), nullptr;
+    if (read_ == frame_.leaves) return CheckDigest(), nullptr;
     ReadLeaf();
     return &leaf_;
   } catch (const std::bad_alloc&) {
@@ -158,23 +84,24 @@ const Leaf* PartFile::Next() {
 }
 
 void PartFile::ReadLeaf() {
-  leaf_.readBuffers(file_, /*fromHalf=*/false);
+  frame_.is_nano ? ReadNanoLeaf(file_, leaf_) : ReadVdbLeaf(file_, leaf_);
   ++read_;
   const TreePlace place = PlaceOf(leaf_.origin());
   const bool mask_is_values =
       std::memcmp(leaf_.buffer().data(), &leaf_.getValueMask().getWord<openvdb::Index64>(0), sizeof(Brick::mask)) == 0;
   const bool aligned = (leaf_.origin() & int32_t{Leaf::DIM - 1}) == openvdb::Coord(0);
   if (!mask_is_values || !aligned || leaf_.isEmpty() || (place_ && place <= *place_)) {
-    throw std::runtime_error(absl::StrCat("is damaged: brick ", read_, " of ", leaves_, " is not as latvox wrote it"));
+    throw std::runtime_error(
+        absl::StrCat("is damaged: brick ", read_, " of ", frame_.leaves, " is not as latvox wrote it"));
   }
   place_ = place;
   digest_.Add(ToBrick(leaf_));
 }
 
 void PartFile::CheckDigest() {
-  if (const std::string found = digest_.ToHex(); found != recorded_) {
+  if (const std::string found = digest_.ToHex(); found != frame_.digest) {
     throw std::runtime_error(
-        absl::StrCat("is damaged: its voxels have digest ", found, ", but latvox_digest is ", recorded_));
+        absl::StrCat("is damaged: its voxels have digest ", found, ", but latvox_digest is ", frame_.digest));
   }
 }
 

@@ -1,4 +1,5 @@
-// One part of a voxelization: a .vdb file that `latvox voxelize` wrote, read brick by brick. Internal to latvox::grid.
+// One part of a voxelization: a .vdb or .nvdb file that `latvox voxelize` wrote, read leaf by leaf. Internal to
+// latvox::grid.
 #ifndef LATVOX_CLIENT_GRID_PART_FILE_H_
 #define LATVOX_CLIENT_GRID_PART_FILE_H_
 
@@ -10,31 +11,28 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "client/grid/part_frame.h"
 #include "client/grid/tree_nodes.h"
 #include "client/internal/digest.h"
 
 namespace latvox::client {
 
-// OpenVDB reads the file's frame and metadata. This class reads only the last section of the tree, the leaves' buffers:
-//
-//   bytes    140 for each leaf, in the tree's order (TreePlace)
-//            64   mask of active voxels; at least one is set
-//            12   i, j, k of the low corner, little-endian 32-bit
-//            64   values: the same bits
+// Reads metadata and transform, and only the leaves of the tree, which have the tree's order (TreePlace).
 //
 // Memory: 64 KiB. Not thread-safe. Errors, in status() or returned, name the path. They are INVALID_ARGUMENT unless
 // said otherwise.
 class PartFile {
  public:
-  // Errors: NOT_FOUND; RESOURCE_EXHAUSTED (open files); a file that latvox did not write; a file that is cut short.
+  // Errors: NOT_FOUND; RESOURCE_EXHAUSTED (open files); a file that latvox did not write; a file that is cut short; a
+  // .nvdb file that is compressed.
   static absl::StatusOr<std::unique_ptr<PartFile>> Open(const std::string& path);
 
   const std::string& path() const { return path_; }
-  const openvdb::MetaMap& metadata() const { return *grid_; }
-  openvdb::math::Transform::Ptr transform() const { return grid_->transformPtr(); }
-  const std::string& digest() const { return recorded_; }  // from the metadata: latvox_digest
-  bool has_fields() const { return has_fields_; }          // or is a band; then it has no leaves here
-  uint64_t leaves() const { return leaves_; }
+  const openvdb::MetaMap& metadata() const { return *frame_.grid; }
+  openvdb::math::Transform::Ptr transform() const { return frame_.grid->transformPtr(); }
+  const std::string& digest() const { return frame_.digest; }  // from the metadata: latvox_digest
+  bool has_fields() const { return frame_.has_fields; }        // or is a band; then it has no leaves here
+  uint64_t leaves() const { return frame_.leaves; }
 
   // Goes back to the place before the first leaf.
   void Rewind();
@@ -48,18 +46,14 @@ class PartFile {
  private:
   explicit PartFile(const std::string& path) : path_(path), buffer_(size_t{1} << 16) {}
   absl::Status OpenStream();
-  void ReadFrame();
   void ReadLeaf();
   void CheckDigest();
 
   const std::string path_;
   std::vector<char> buffer_;
   std::ifstream file_;
-  openvdb::GridBase::Ptr grid_;
-  std::string recorded_;
-  bool has_fields_ = false;
-  int64_t leaves_begin_ = 0;
-  uint64_t leaves_ = 0, read_ = 0;
+  PartFrame frame_;
+  uint64_t read_ = 0;
   Leaf leaf_;
   std::optional<TreePlace> place_;  // of leaf_; absent before the first leaf
   Digest digest_;

@@ -58,7 +58,7 @@ It encodes meshes, reads mesh files, and makes OpenVDB grids of voxels.
 
 This package has the headers, the static libraries, the files for CMake and
 pkg-config, and the protocol."
-  DEPENDS "libabsl-dev, libboost-iostreams-dev, libdraco-dev, libgrpc++-dev, libmeshoptimizer-dev, libopenvdb-dev, \
+  DEPENDS "libabsl-dev, libblosc-dev, libboost-iostreams-dev, libdraco-dev, libgrpc++-dev, libmeshoptimizer-dev, libopenvdb-dev, \
 libprotobuf-dev, libpugixml-dev, libssl-dev, libtbb-dev, libzip-dev, libzstd-dev, pkgconf, protobuf-compiler-grpc, zlib1g-dev"
   SUGGESTS "latvoxd (= ${version})")
 if(LATVOX_PYTHON)

@@ -18,6 +18,7 @@ VERSION = re.search(r"^project\(latvox VERSION (\S+)", (ROOT / "CMakeLists.txt")
 # Each dependency that CMakeLists.txt looks for: name there -> name of vcpkg, of conda-forge, of Homebrew.
 NAMES = {
     "absl": ("abseil", "libabseil", "abseil"),
+    "blosc": ("blosc", "blosc", "c-blosc"),
     "Boost": ("boost-multiprecision", "libboost-devel", "boost"),
     "CLI11": ("cli11", "cli11", "cli11"),
     "curl": ("curl", "libcurl", "curl"),

@@ -1,6 +1,7 @@
 """`latvox convert` writes grids, pictures and pages as `latvox voxelize` does, from OpenVDB's and NanoVDB's files."""
 
 import json
+import pathlib
 import random
 import struct
 import subprocess
@@ -11,6 +12,7 @@ import pyopenvdb
 from bodies import BODIES, write_bodies
 from harness import BUNNY, PATIENCE, Case, box, latvox
 
+DOCS = pathlib.Path(__file__).resolve().parents[2] / "client/docs/inputs-and-outputs.md"
 SPIDER = "/usr/share/assimp/models/OBJ/spider.obj"  # of assimp-testmodels
 FIELDS = "part,material,color,distance,triangle,point,normal"
 JOBS = {
@@ -125,22 +127,16 @@ class Convert(Case):
         self.convert("a.nvdb", "a.csv")
         self.equal("a.csv", "b.csv")
 
-    def test_shards_can_be_merged_afterwards(self):
-        job = [BUNNY, "--resolution", "48", "--fields", "distance"]
-        self.write(job, "whole.vdb")
-        for n in range(3):
-            self.write([*job, "--shard", f"{n}/3"], f"{n}.nvdb")
-            self.convert(f"{n}.nvdb", f"{n}.vdb")
-        done = latvox("merge", *(self.dir / f"{n}.vdb" for n in range(3)), "-o", self.dir / "joined.vdb")
-        self.assertEqual(done.returncode, 0, done.stderr)
-        done = latvox("compare", self.dir / "whole.vdb", self.dir / "joined.vdb", "--voxels")
-        self.assertEqual(done.stdout.splitlines()[-1], "equal")
+    def nano(self, source, target, *options):
+        """Writes a .nvdb file by NanoVDB's own converter."""
+        subprocess.run(["nanovdb_convert", "-f", *options, self.dir / source, self.dir / target],
+                       capture_output=True, timeout=PATIENCE, check=True)  # fmt: skip
 
     def foreign(self, grid, name):
-        """Writes a grid as .vdb by OpenVDB, and as .nvdb by NanoVDB's own converter."""
+        """Writes a grid as .vdb by OpenVDB, and as .nvdb by NanoVDB, in each of its codecs."""
         pyopenvdb.write(str(self.dir / f"{name}.vdb"), [grid])
-        subprocess.run(["nanovdb_convert", "-f", self.dir / f"{name}.vdb", self.dir / f"{name}.nvdb"],
-                       capture_output=True, timeout=PATIENCE, check=True)  # fmt: skip
+        for extension, options in ("nvdb", []), ("zip.nvdb", ["-z"]), ("blosc.nvdb", ["-b"]):
+            self.nano(f"{name}.vdb", f"{name}.{extension}", *options)
 
     def test_grids_of_other_programs(self):
         solid = pyopenvdb.BoolGrid(False)
@@ -152,7 +148,7 @@ class Convert(Case):
         sphere.name = "distance"
         self.foreign(sphere, "sphere")
         for name, grid in ("solid", solid), ("sphere", sphere):
-            for extension in ("vdb", "nvdb"):
+            for extension in ("vdb", "nvdb", "zip.nvdb", "blosc.nvdb"):
                 self.convert(f"{name}.{extension}", f"{extension}.vdb", f"{extension}.csv")
                 again = pyopenvdb.readAll(str(self.dir / f"{extension}.vdb"))[0][0]
                 self.assertEqual(again.activeVoxelCount(), grid.activeVoxelCount())
@@ -160,10 +156,36 @@ class Convert(Case):
                 self.assertEqual(again.gridClass, grid.gridClass)
                 self.assertEqual([again.transform.indexToWorld(p) for p in ((0, 0, 0), (1, 2, 3))],
                                  [grid.transform.indexToWorld(p) for p in ((0, 0, 0), (1, 2, 3))])  # fmt: skip
-            self.equal("nvdb.vdb", "vdb.vdb", name)
-            self.equal("nvdb.csv", "vdb.csv", name)
+                self.equal(f"{extension}.vdb", "vdb.vdb", name)
+                self.equal(f"{extension}.csv", "vdb.csv", name)
+            facts = [self.info(f"{name}.{extension}") for extension in ("nvdb", "zip.nvdb", "blosc.nvdb")]
+            for packed in facts[1:]:
+                self.assertEqual({key: packed[key] for key in facts[0] if key != "metadata"},
+                                 {key: facts[0][key] for key in facts[0] if key != "metadata"})  # fmt: skip
         values = {v.min: v.value for v in sphere.citerOnValues()}
         self.assertEqual({v.min: v.value for v in again.citerOnValues()}, values)
+
+    def test_the_table_of_the_documentation_is_what_commands_read(self):
+        lines = DOCS.read_text().partition("| command | `.vdb` |")[2].splitlines()[2:]
+        table = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines[: lines.index("")]]
+        self.write([BUNNY, "--resolution", "12"], "a.vdb", "a.nvdb", "a.npz")
+        self.nano("a.vdb", "packed.nvdb", "-z")
+        commands = {
+            "info": [],
+            "convert": ["-o", self.dir / "b.vdb"],
+            "compare": [self.dir / "a.vdb", "--voxels"],
+            "render": ["-o", self.dir / "b.png"],
+            "slice": ["-o", self.dir / "b.csv"],
+            "view": ["-o", self.dir / "b.html"],
+            "voxelize --align": ["-o", self.dir / "b.npy", BUNNY],
+            "merge": ["-o", self.dir / "b.vdb"],
+        }
+        named = {command.strip("`"): row[1:] for row in table for command in row[0].split(", ")}
+        self.assertEqual(named.keys(), commands.keys())
+        for command, options in commands.items():
+            for name, answer in zip(("a.vdb", "a.nvdb", "packed.nvdb", "a.npz"), named[command], strict=True):
+                done = latvox(*command.split(), self.dir / name, *options)
+                self.assertEqual(done.returncode, {"yes": 0, "no": 3}[answer], (command, name, done.stderr))
 
     def test_grids_that_cannot_be_read(self):
         density = pyopenvdb.FloatGrid()
@@ -174,16 +196,47 @@ class Convert(Case):
             done = latvox("convert", self.dir / f"density.{extension}", "-o", self.dir / "a.csv")
             self.assertEqual(done.returncode, 3, done.stderr)
             self.assertIn(f'density.{extension}: the grid "density" is a Tree_float_5_4_3, not a Tree_bool_5_4_3', done.stderr)
-        subprocess.run(["nanovdb_convert", "-f", "--fp8", self.dir / "density.vdb", self.dir / "packed.nvdb"],
-                       capture_output=True, timeout=PATIENCE, check=True)  # fmt: skip
+        self.nano("density.vdb", "packed.nvdb", "--fp8")
         done = latvox("convert", self.dir / "packed.nvdb", "-o", self.dir / "a.csv")
         self.assertEqual(done.returncode, 3, done.stderr)
         self.assertIn('packed.nvdb: is not a readable .nvdb file (the grid "density" is a Float8, neither', done.stderr)
 
+    def test_compressed_grids_that_cannot_be_unpacked(self):
+        self.write(JOBS["plain"], "a.vdb")
+        for option, says in ("-z", "its ZIP stream does not unpack to"), ("-b", "its BLOSC chunk does not unpack to"):
+            self.nano("a.vdb", "packed.nvdb", option)
+            whole = (self.dir / "packed.nvdb").read_bytes()
+            size = struct.unpack_from("<Q", whole, 16)[0]  # of the grid, behind the file's header
+            first = 16 + 176 + len("voxels") + 1  # of the compressed bytes
+            for at, value, why in (
+                (16, size + 32, f"{says} {size + 32} bytes"),
+                (16, 1 << 29, says),
+                (16, (1 << 29) + 1, f"are said to unpack to {(1 << 29) + 1}, more than {1 << 29}"),
+                (16, (1 << 64) - 1, f"more than {1 << 29}"),
+                (24, 7, "a compressed grid is cut short|it goes on with something else"),
+                (24, 1 << 63, "it is cut short"),
+                (first, 1 << 62, "a compressed grid is cut short"),
+                (first + 24, 0, says),
+            ):
+                with self.subTest(option, at=at, value=value):
+                    bad = bytearray(whole)
+                    struct.pack_into("<Q", bad, at, value)
+                    (self.dir / "bad.nvdb").write_bytes(bad)
+                    done = latvox("convert", self.dir / "bad.nvdb", "-o", self.dir / "b.csv")
+                    self.assertEqual(done.returncode, 3, done.stderr)
+                    self.assertRegex(done.stderr, f"^latvox: .*bad.nvdb: is not a readable .nvdb file .*{why}")
+
     def test_damaged_files_are_errors_or_other_files(self):
-        self.write(JOBS["plain"], "a.nvdb")
-        whole, chance = (self.dir / "a.nvdb").read_bytes(), random.Random(7)
-        for n in range(30):
+        self.write(JOBS["plain"], "a.nvdb", "a.vdb")
+        self.nano("a.vdb", "zip.nvdb", "-z")
+        self.nano("a.vdb", "blosc.nvdb", "-b")
+        for name, count in ("a.nvdb", 30), ("zip.nvdb", 12), ("blosc.nvdb", 12):
+            with self.subTest(name):
+                self.damage((self.dir / name).read_bytes(), count)
+
+    def damage(self, whole, count):
+        chance = random.Random(7)
+        for n in range(count):
             bad = bytearray(whole if n % 3 else whole[: chance.randrange(len(whole))])
             if n % 3 and bad:
                 bad[chance.randrange(min(len(bad), 4000) if n % 2 else len(bad))] ^= 1 << chance.randrange(8)

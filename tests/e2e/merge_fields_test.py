@@ -22,8 +22,8 @@ class MergeFields(Case):
         self.mesh = write_obj(self.dir / "octahedron.obj", octahedron(8))
         self.merged = self.dir / "merged.vdb"
 
-    def parts(self, cuts, *options):
-        paths = [self.dir / f"part{n}.vdb" for n in range(len(cuts))]
+    def parts(self, cuts, *options, extension=".vdb"):
+        paths = [self.dir / f"part{n}{extension}" for n in range(len(cuts))]
         for path, cut in zip(paths, cuts):
             self.voxelize(self.mesh, "--voxel-size", "0.3", *options, *cut, out=path.name)
         return paths
@@ -43,9 +43,11 @@ class MergeFields(Case):
         for name, options in KINDS.items():
             with self.subTest(name):
                 whole = self.voxelize(self.mesh, "--voxel-size", "0.3", *options, out="whole.vdb")
-                summary = self.merge(self.parts([["--shard", f"{n}/3"] for n in range(3)], *options))
-                self.assertEqual((summary["voxels"], summary["digest"]), (whole["voxels"], whole["digest"]))
-                self.assertEqual(self.merged.read_bytes(), (self.dir / "whole.vdb").read_bytes())
+                for extension in (".vdb", ".nvdb"):
+                    cuts = [["--shard", f"{n}/3"] for n in range(3)]
+                    summary = self.merge(self.parts(cuts, *options, extension=extension))
+                    self.assertEqual((summary["voxels"], summary["digest"]), (whole["voxels"], whole["digest"]))
+                    self.assertEqual(self.merged.read_bytes(), (self.dir / "whole.vdb").read_bytes(), extension)
 
     def test_regions_that_overlap_within_bricks_are_the_whole(self):
         cuts = [[f"--region={box}"] for box in ("-999,-999,-999,5,999,999", "3,-999,-999,999,12,999", "3,9,-999,999,999,999")]

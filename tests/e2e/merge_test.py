@@ -39,12 +39,13 @@ class MergeCase(Case):
         super().setUp()
         self.merged = self.dir / "merged.vdb"
 
-    def parts(self, cuts, *options):
+    def parts(self, cuts, *options, extensions=(".vdb",)):
+        """Writes the parts, in these formats in turns."""
         paths = []
         with tempfile.TemporaryDirectory() as directory, harness.server(pathlib.Path(directory)) as server:
             for n, cut in enumerate(cuts):
-                self.voxelize(BUNNY, *options, *cut, "--server", server.address, out=f"part{n}.vdb")
-                paths.append(self.dir / f"part{n}.vdb")
+                paths.append(self.dir / f"part{n}{extensions[n % len(extensions)]}")
+                self.voxelize(BUNNY, *options, *cut, "--server", server.address, out=paths[-1].name)
         return paths
 
     def merge(self, *arguments):
@@ -116,6 +117,13 @@ class Union(MergeCase):
             with self.subTest(name):
                 self.check(self.CUTS[name], "--lattice", "cartesian", "--separability", "2", "--resolution", "130")
 
+    def test_parts_of_both_formats_are_the_whole_byte_for_byte(self):
+        options = ["--lattice", "bcc", "--resolution", "100"]
+        self.voxelize(BUNNY, *options, out="whole.vdb")
+        for extensions in ([".nvdb"], [".vdb", ".nvdb"]):
+            self.merge(*self.parts(shards(7), *options, extensions=extensions))
+            self.assertEqual(self.merged.read_bytes(), (self.dir / "whole.vdb").read_bytes(), extensions)
+
     def test_merging_may_go_on_from_merged_files(self):
         options = ["--lattice", "bcc", "--resolution", "100"]
         a, b, c = self.parts(slabs(1, 0, 50), *options)
@@ -131,15 +139,17 @@ class Union(MergeCase):
         self.assertTrue(grid.empty())
 
     def test_memory_does_not_grow_with_the_bricks(self):
-        peaks, sizes = [], []
-        for resolution in ("256", "2048"):
-            paths = self.parts(shards(4), "--lattice", "cartesian", "--separability", "2", "--resolution", resolution)
-            peaks.append(self.peak_memory("merge", *paths, "-o", self.merged))
-            sizes.append(self.merged.stat().st_size)
-        self.assertGreater(sizes[1], 30e6)
-        # At most a few MB of buffers beyond a file with hardly any bricks. Loading everything would take as much as the
-        # file.
-        self.assertLess(peaks[1], peaks[0] + 8e6, (peaks, sizes))
+        for extension in (".vdb", ".nvdb"):
+            peaks, sizes = [], []
+            for resolution in ("256", "2048"):
+                options = ["--lattice", "cartesian", "--separability", "2", "--resolution", resolution]
+                paths = self.parts(shards(4), *options, extensions=[extension])
+                peaks.append(self.peak_memory("merge", *paths, "-o", self.merged))
+                sizes.append(self.merged.stat().st_size)
+            self.assertGreater(sizes[1], 30e6)
+            # At most a few MB of buffers beyond a file with hardly any bricks. Loading everything would take as much as
+            # the file.
+            self.assertLess(peaks[1], peaks[0] + 8e6, (extension, peaks, sizes))
 
     def peak_memory(self, *arguments):
         process = subprocess.Popen([BIN / "latvox", *map(str, arguments)], stdout=subprocess.DEVNULL)
@@ -206,13 +216,16 @@ class Failures(MergeCase):
         short = self.dir / "short.vdb"
         short.write_bytes(a.read_bytes()[:-1])
         self.bad(short, b, code=BAD_INPUT, says="short.vdb: is not a whole .vdb file .*cut short: [0-9]+ bytes of [0-9]+")
-        self.bad(a, BUNNY, code=BAD_INPUT, says="bunny.obj: is not a whole .vdb file that latvox wrote")
+        self.bad(a, BUNNY, code=BAD_INPUT, says="bunny.obj: is not a whole .vdb or .nvdb file that latvox wrote.*latvox convert")
         self.bad(a, self.dir / "none.vdb", code=BAD_INPUT, says="none.vdb: no such file")
         self.bad(a, a, code=BAD_INPUT, says="part0.vdb: is given twice")
         grid = pyopenvdb.BoolGrid()
         pyopenvdb.write(str(self.dir / "foreign.vdb"), grids=[grid])
         self.bad(a, self.dir / "foreign.vdb", code=BAD_INPUT, says="foreign.vdb: .*no latvox_digest")
         self.bad(self.flipped(a), b, code=BAD_INPUT, says="flipped.vdb: is damaged")
+        for option in ("-z", "-b"):
+            subprocess.run(["nanovdb_convert", "-f", option, a, self.dir / "packed.nvdb"], capture_output=True, check=True)
+            self.bad(self.dir / "packed.nvdb", b, code=BAD_INPUT, says="packed.nvdb: .*it is compressed, .*latvox convert")
 
     def flipped(self, path):
         """Returns the same file with one more voxel in its last brick: mask and value."""
@@ -227,7 +240,7 @@ class Failures(MergeCase):
         (a,) = self.parts([[]], *self.OPTIONS)
         self.bad(code=USAGE, says="(?i)part")
         self.bad(a, "-o", self.dir / "second.vdb", code=USAGE, says="--out: one file")
-        self.bad(a, out=self.dir / "out.csv", code=USAGE, says="out.csv")
+        self.bad(a, out=self.dir / "out.csv", code=USAGE, says="out.csv.* not one of .vdb; latvox convert")
         before = a.read_bytes()
         done = latvox("merge", a, "-o", a)
         self.assertEqual((done.returncode, a.read_bytes()), (USAGE, before), done.stderr)

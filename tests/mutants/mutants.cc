@@ -7,7 +7,7 @@
 // Each mutant has a process of its own, which must end with exit status 0 or 3 within limits of time and memory, and
 // leave no output unless the status is 0. Prints a row for each file, and the promise that each bad file broke.
 //
-// The start of a program that has OpenVDB takes longer than everything else. So commands read a tenth of the .vdb
+// The start of a program that has OpenVDB takes longer than everything else. So commands read a tenth of the grids'
 // files. A copy of this process reads the others, confined as ReaderProcess would confine a new program, but with less
 // memory: one in ten takes all that it gets.
 #include <fcntl.h>
@@ -63,7 +63,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Of one mutant. The limit of addresses is not for .vdb files: their reader has one of its own.
+// Of one mutant. The limit of addresses is not for files of grids: their reader has one of its own.
 constexpr rlim_t kMemory = rlim_t{4} << 30;
 constexpr unsigned kSeconds = 100;
 constexpr uint64_t kMemoryOfCopy = uint64_t{256} << 20;
@@ -188,24 +188,21 @@ absl::Status Textures(const std::string& path, const std::string&) {
 }
 
 const std::vector<Reader>& ReadersOf(const std::string& extension) {
+  static const std::vector<Reader> kOfGrids = {Info, Align, Merge, Compare, Render, Slice, View};
   static const std::map<std::string, std::vector<Reader>> kReaders = {
-      {".vdb", {Info, Align, Merge, Compare, Render, Slice, View}},
-      {".glb", {Info, Textures}},
-      {".png", {Info, Image}},
-      {".jpg", {Image}},
-      {".webp", {Image}},
-      {".svg", {Draw}},
-      {".txt", {Draw}},
-      {".jsonl", {Jobs}}};
+      {".vdb", kOfGrids}, {".nvdb", kOfGrids}, {".glb", {Info, Textures}}, {".png", {Info, Image}}, {".jpg", {Image}},
+      {".webp", {Image}}, {".svg", {Draw}},    {".txt", {Draw}},           {".jsonl", {Jobs}}};
   static const std::vector<Reader> kInfo = {Info};
   const auto found = kReaders.find(extension);
   return found == kReaders.end() ? kInfo : found->second;
 }
 
+bool IsGrid(const std::string& extension) { return extension == ".vdb" || extension == ".nvdb"; }
+
 const Reader& ReaderOf(const std::string& extension, int mutant) {
   static const Reader kCopy = Copy;
   const auto& readers = ReadersOf(extension);
-  const bool is_grid = extension == ".vdb";
+  const bool is_grid = IsGrid(extension);
   if (is_grid && mutant % 10 != 0) return kCopy;
   return readers[static_cast<size_t>(is_grid ? mutant / 10 : mutant) % readers.size()];
 }
@@ -286,7 +283,7 @@ Trial Run(const Reader& reader, const fs::path& path, const fs::path& outputs) {
   if (child == 0) {
     EndAsUsual();
     const rlimit memory{kMemory, kMemory};
-    if (path.extension() != ".vdb") setrlimit(RLIMIT_AS, &memory);
+    if (!IsGrid(path.extension())) setrlimit(RLIMIT_AS, &memory);
     alarm(kSeconds);
     _exit(StatusOfReader(reader, path, outputs / "out"));
   }

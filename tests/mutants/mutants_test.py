@@ -60,6 +60,8 @@ def write_wholes(folder):
         done = latvox("voxelize", source, *GRID, *options)
         if done.returncode != 0:
             raise RuntimeError(done.stderr)
+    for option, name in ("-z", "zip.nvdb"), ("-b", "blosc.nvdb"):
+        subprocess.run(["nanovdb_convert", option, folder / "voxels.vdb", folder / name], capture_output=True, check=True)
 
 
 def damaged(data, chance):

@@ -38,11 +38,20 @@ std::string ToText(const GridFileInfo& info) {
   return text;
 }
 
+// The facts of a .nvdb need no process, unless they are compressed.
+absl::StatusOr<GridFileInfo> ReadGridInfo(const std::string& path) {
+  if (HasExtension(path, {".nvdb"})) {
+    auto info = ReadNanoFileInfo(path);
+    if (!absl::IsFailedPrecondition(info.status())) return info;
+  }
+  return ReadForeignInfo(path);
+}
+
 }  // namespace
 
 absl::StatusOr<std::string> RunInfo(const std::string& path, bool json) {
   if (HasExtension(path, {".vdb", ".nvdb", ".h5"})) {
-    const auto info = absl::EndsWithIgnoreCase(path, ".nvdb") ? ReadNanoFileInfo(path) : ReadForeignInfo(path);
+    const auto info = ReadGridInfo(path);
     if (!info.ok()) return info.status();
     return json ? ToJson(*info) + "\n" : ToText(*info);
   }

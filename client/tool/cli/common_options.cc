@@ -57,12 +57,13 @@ OptionCheck Whole(int low, int high) {
           low == std::numeric_limits<int>::min() ? "" : absl::StrCat(low, " to ", high)};
 }
 
-OptionRow OutputRow(const std::vector<std::string>& extensions, std::vector<std::string>& outputs, bool several) {
+OptionRow OutputRow(const std::vector<std::string>& extensions, std::vector<std::string>& outputs, bool several,
+                    const std::string& hint) {
   const std::string known = absl::StrJoin(extensions, " ");
-  const auto wrong = [extensions, known](const std::string& path) -> std::string {
+  const auto wrong = [extensions, known, hint](const std::string& path) -> std::string {
     const std::string shown = WithoutQuery(path), extension = ExtensionOf(shown);
     if (std::find(extensions.begin(), extensions.end(), extension) != extensions.end()) return "";
-    return absl::StrCat("\"", shown, "\": extension \"", extension, "\" is not one of ", known);
+    return absl::StrCat("\"", shown, "\": extension \"", extension, "\" is not one of ", known, hint);
   };
   return {.names = "-o,--out",
           .aliases = "--output",

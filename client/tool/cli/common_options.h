@@ -111,7 +111,9 @@ std::filesystem::path Place(const std::string& path);
 
 // -o, --out
 //   several   whether the command writes more than one output
-OptionRow OutputRow(const std::vector<std::string>& extensions, std::vector<std::string>& outputs, bool several);
+//   hint      what the error of another extension ends with
+OptionRow OutputRow(const std::vector<std::string>& extensions, std::vector<std::string>& outputs, bool several,
+                    const std::string& hint = "");
 
 // --size of a picture
 OptionRow SizeRow(const std::string& what, int& size);

@@ -26,10 +26,10 @@ void AllowManyOpenFiles() {
 void AddMergeOptions(CommandParser& command, MergeWords& words) {
   command.Add({{.names = "parts",
                 .target = &words.parts,
-                .help = "Parts of one mesh and request: .vdb files made with --region, --bounds or --shard",
+                .help = "Parts of one mesh and request: .vdb or .nvdb files made with --region, --bounds or --shard",
                 .value = "PART.vdb",
                 .required = true},
-               OutputRow({".vdb"}, words.outputs, /*several=*/false),
+               OutputRow({".vdb"}, words.outputs, /*several=*/false, "; latvox convert writes it in other formats"),
                JsonRow("Print the summary as JSON", words.json)});
 }
 

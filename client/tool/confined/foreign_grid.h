@@ -1,4 +1,4 @@
-// Reads .vdb and .h5 files that anybody may have written.
+// Reads .vdb, .nvdb and .h5 files that anybody may have written.
 #ifndef LATVOX_CLIENT_TOOL_CONFINED_FOREIGN_GRID_H_
 #define LATVOX_CLIENT_TOOL_CONFINED_FOREIGN_GRID_H_
 

@@ -12,6 +12,7 @@ class Latvox < Formula
   depends_on "tomlplusplus" => :build
   depends_on "abseil"
   depends_on "boost"
+  depends_on "c-blosc"
   depends_on "curl"
   depends_on "draco"
   depends_on "grpc"

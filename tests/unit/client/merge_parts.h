@@ -50,14 +50,15 @@ class MergeTest : public FilesTest {
     return certificate;
   }
 
-  // Writes a file like that of `latvox voxelize`, after `edit`. Returns its path.
+  // Writes a .vdb or .nvdb file like that of `latvox voxelize`, after `edit`. Returns its path.
   std::string Part(
       const std::string& name, const Bricks& bricks, const Edit& edit = [](openvdb::BoolGrid&) {}) const {
     VoxelGrid grid(MakeTransform());
     EXPECT_TRUE(grid.Add({bricks, 1}).ok());
     grid.SetCertificate(MakeCertificate(bricks));
     edit(*grid.content().grid);
-    EXPECT_TRUE(grid.Write(Path(name)).ok());
+    const bool is_nano = name.ends_with(".nvdb");
+    EXPECT_TRUE((is_nano ? grid.WriteNano(Path(name)) : grid.Write(Path(name))).ok());
     return Path(name);
   }
 

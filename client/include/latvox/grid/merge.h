@@ -25,11 +25,11 @@ struct MergedGrid {
 // Reads a part with fields. ReadGridContent is one such function.
 using ReadPart = std::function<absl::StatusOr<GridContent>(const std::string& path)>;
 
-// Writes the .vdb file of the whole to `path`, replacing an existing file; not atomic. The parts are files that `latvox
-// voxelize` wrote for one mesh and request with --region, --bounds or --shard. The whole is the union of their voxels,
-// with the metadata that they share. The digests are computed anew; they are the sums of the parts' digests where no
-// brick is in two parts. Fields are joined, too: where parts share a voxel, they must agree on its values. A signed
-// band is a level set again if its parts are all shards.
+// Writes the .vdb file of the whole to `path`, replacing an existing file; not atomic. The parts are .vdb and .nvdb
+// files that `latvox voxelize` wrote for one mesh and request with --region, --bounds or --shard. The whole is the
+// union of their voxels, with the metadata that they share. The digests are computed anew; they are the sums of the
+// parts' digests where no brick is in two parts. Fields are joined, too: where parts share a voxel, they must agree on
+// its values. A signed band is a level set again if its parts are all shards.
 //
 // Memory for sets without fields: 64 KiB for each part, 1 MiB for the whole, and 4 KiB for each block of 4096^3 voxels
 // that the whole meets (147 MB at most). It does not depend on the number of bricks. The parts are read three times.
@@ -43,7 +43,8 @@ using ReadPart = std::function<absl::StatusOr<GridContent>(const std::string& pa
 //
 // Errors:
 //   NOT_FOUND            there is no such file; the message names it
-//   INVALID_ARGUMENT     with the file: it is not a whole file of latvox, or is given twice, or does not belong to one
+//   INVALID_ARGUMENT     with the file: it is not a whole .vdb or .nvdb file of latvox, is a compressed .nvdb file, or
+//   is given twice, or does not belong to one
 //                        whole with the others (with field and values); shards are missing
 //   RESOURCE_EXHAUSTED   too many open files; memory
 //   UNKNOWN              `path` cannot be written

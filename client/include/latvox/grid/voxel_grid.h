@@ -76,7 +76,8 @@ class LATVOX_EXPORT VoxelGrid {
 
 // Functions that read a .vdb file's voxels do so in the calling process, by OpenVDB. It trusts the file: a damaged one
 // can crash the process, or take all its memory, before there is an error. `latvox` reads files in a process of their
-// own. The functions read .nvdb files as well: uncompressed, and with grids of bool, float, int32 or three floats.
+// own. The functions read .nvdb files as well, with grids of bool, float, int32 or three floats. A grid that is
+// compressed (ZIP, BLOSC) may unpack to 512 MiB, or to 32 times its bytes if that is more.
 
 // Facts about a .vdb file: about its grid "voxels", or else its first grid.
 struct GridFileInfo {
@@ -93,8 +94,9 @@ struct GridFileInfo {
 LATVOX_EXPORT absl::StatusOr<GridFileInfo> ReadGridFileInfo(const std::string& path);
 
 // Reads the same facts about the first grid of a .nvdb file (NanoVDB), as far as its header tells: counts and box are
-// not verified. The metadata are those of VoxelGrid::WriteNano. Reads no voxel. Errors: NOT_FOUND; INVALID_ARGUMENT
-// (not a readable .nvdb file, cut short, compressed), with the path.
+// not verified. The metadata are those of VoxelGrid::WriteNano. Reads no voxel. Errors, with the path:
+// NOT_FOUND; INVALID_ARGUMENT (not a readable .nvdb file, cut short); FAILED_PRECONDITION: the grid is compressed, and
+// ReadGridFileInfo reads it.
 LATVOX_EXPORT absl::StatusOr<GridFileInfo> ReadNanoFileInfo(const std::string& path);
 
 // A .vdb file's voxels: the grid "voxels", or else the first grid. Bricks are in lexicographic order of brick_ijk.

@@ -124,7 +124,8 @@ TEST_F(MergeErrors, FilesThatLatvoxDidNotWrite) {
   const std::string a = Part("a.vdb", First());
   Refuses({a, Path("none.vdb")}, HasSubstr("none.vdb: no such file"), absl::StatusCode::kNotFound);
   Refuses({a, Path("")}, HasSubstr("is a directory"));
-  Refuses({a, Write("text.vdb", "this is no grid, and long enough to be one")}, HasSubstr("text.vdb: is not a whole"));
+  Refuses({a, Write("text.csv", "this is no grid, and long enough to be one")},
+          AllOf(HasSubstr("text.csv: is not a whole .vdb or .nvdb file"), HasSubstr("latvox convert")));
   const auto no_digest = [](openvdb::BoolGrid& grid) { grid.removeMeta("latvox_digest"); };
   Refuses({a, Part("b.vdb", Second(), no_digest)}, HasSubstr("b.vdb: is not a whole .vdb file that latvox wrote"));
   openvdb::io::File(Path("float.vdb")).write({openvdb::FloatGrid::create(0)});
@@ -160,9 +161,38 @@ TEST_F(MergeErrors, AFileThatIsCutShortAnywhere) {
   Part("a.vdb", First());
   const std::string whole = Bytes();
   for (size_t length = 0; length < whole.size(); length += length < 2000 || length > Leaves() ? 1 : 501) {
-    Refuses({b, Write("short.vdb", whole.substr(0, length))}, HasSubstr("short.vdb: is not a whole .vdb file"));
+    Refuses({b, Write("short.vdb", whole.substr(0, length))}, HasSubstr("short.vdb: is not a whole .vdb "));
   }
   EXPECT_TRUE(Merge({b, Write("short.vdb", whole)}).ok());
+}
+
+TEST_F(MergeErrors, ANanoFileThatIsCutShortAnywhere) {
+  const std::string b = Part("b.vdb", Second());
+  Part("a.nvdb", First());
+  const std::string whole = Read("a.nvdb");
+  for (size_t length = 0; length < whole.size(); length += length < 1000 ? 1 : 5003) {
+    Refuses({b, Write("short.nvdb", whole.substr(0, length))}, HasSubstr("short.nvdb: is not a whole "));
+  }
+  EXPECT_TRUE(Merge({b, Write("short.nvdb", whole)}).ok());
+}
+
+// A change is an error, or leaves the voxels as they are. It may be in a node that merging does not read.
+TEST_F(MergeErrors, NoChangedByteOfANanoFileChangesTheVoxels) {
+  Part("a.nvdb", First());
+  const std::string whole = Read("a.nvdb"), digest = MakeCertificate(First()).digest;
+  const std::string mask(reinterpret_cast<const char*>(First()[0].mask.data()), sizeof(Brick::mask));
+  const size_t leaves = whole.find(mask) - 16, end = leaves + 2 * 160;
+  size_t refused = 0;
+  for (size_t at = 0; at < whole.size(); at += at < 1000 || (at + 997 > leaves && at < end) ? 1 : 997) {
+    std::string bad = whole;
+    bad[at] = static_cast<char>(bad[at] ^ 1);
+    const auto merged = Merge({Write("bad.nvdb", bad)});
+    EXPECT_EQ(merged.ok() ? merged->digest : digest, digest) << at;
+    refused += merged.ok() ? 0 : 1;
+    const bool is_voxel = at >= leaves + 16 && at < leaves + 16 + 2 * mask.size();
+    EXPECT_FALSE(is_voxel && merged.ok()) << at;
+  }
+  EXPECT_GT(refused, 2 * 2 * mask.size());
 }
 
 TEST_F(MergeErrors, LeavesThatAreNotAsTheyWereWritten) {

@@ -34,12 +34,13 @@ class Merge : public MergeTest {
     EXPECT_EQ(merged->digest, MakeCertificate(bricks).digest);
   }
 
-  // Splits the bricks into `count` parts, and merges them. `part` returns the part of a brick.
+  // Splits the bricks into `count` parts of both formats in turns, and merges them. `part` returns the part of a brick.
   void CheckSplit(const Bricks& bricks, size_t count, const std::function<size_t(size_t)>& part) {
     std::vector<Bricks> split(count);
     for (size_t n = 0; n < bricks.size(); ++n) split[part(n)].push_back(bricks[n]);
     std::vector<std::string> paths;
-    for (size_t n = 0; n < count; ++n) paths.push_back(Part(std::to_string(n) + ".vdb", split[n]));
+    for (size_t n = 0; n < count; ++n)
+      paths.push_back(Part(std::to_string(n) + (n % 2 == 0 ? ".vdb" : ".nvdb"), split[n]));
     Check(paths, bricks);
   }
 };
