@@ -1,5 +1,6 @@
 """Programs of others read the images and the files of VTK, and find the voxels and fields of the .npz at their positions."""
 
+import itertools
 import json
 import os
 import pathlib
@@ -20,6 +21,8 @@ from harness import BIN, BUNNY, PATIENCE, Case, box, latvox, write_obj
 
 SPIDER = "/usr/share/assimp/models/OBJ/spider.obj"  # of assimp-testmodels
 DOCS = pathlib.Path(__file__).resolve().parents[2] / "client" / "docs" / "inputs-and-outputs.md"
+SETS = "surface supercover solid supercover-solid interior band links enclosed enclosed-interior region".split()
+OF_SETS = {"band": ["--band", "2v"], "region": ["--seed", "0,0,0"]}  # options that the set needs
 IMAGES = ".nrrd", ".mha", ".mhd", ".nii", ".nii.gz"
 LATTICES = {
     "cartesian": ["--lattice", "cartesian", "--resolution", "24", "--origin", "0.5,-3,1"],
@@ -389,6 +392,11 @@ class Science(Case):
             "any lattice": ["--lattice", "bcc"],
             "shape": ["--pad", "1"],
         }
+        for name, extension in itertools.product(SETS, (each for each in known if not each.startswith(".links"))):
+            words = ["-o", self.dir / f"a{extension}", "--set", name, *OF_SETS.get(name, [])]
+            code = 2 if name == "band" and extension in (".glb", ".binvox", ".vox") else 3
+            done = latvox("voxelize", self.dir / "none.obj", *words)
+            self.assertEqual(done.returncode, code, (name, extension, done.stderr))
         for n, (question, options) in enumerate(questions.items(), 1):
             accepted = [row[0].strip("`") for row in table if row[n] == "yes"]
             refused = [row[0].strip("`") for row in table if row[n] == "no"]
