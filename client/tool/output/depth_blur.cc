@@ -1,5 +1,6 @@
 #include "client/tool/output/depth_blur.h"
 
+#include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/parallel_for.h>
 
 #include <algorithm>
@@ -14,18 +15,32 @@ namespace {
 // independent of the radius. The least and greatest depth of the blocks around tell whether all count.
 class LineBlur {
  public:
-  LineBlur(const std::vector<float>& in, size_t first, size_t step, int count, int radius)
+  LineBlur(int count, int radius)
       : radius_(radius),
         count_(count),
         edge_(3.0F * static_cast<float>(radius)),
-        shift_(std::bit_width(static_cast<unsigned>(radius)) - 1) {
-    const auto size = static_cast<size_t>(count);
-    line_.resize(size);
-    sums_.resize(size + 1);
-    counts_.resize(size + 1);
-    blocks_.resize((size >> shift_) + 1);
-    for (size_t n = 0; n < size; ++n) {
-      const float depth = line_[n] = in[first + n * step];
+        shift_(std::bit_width(static_cast<unsigned>(radius)) - 1),
+        line_(static_cast<size_t>(count)),
+        sums_(static_cast<size_t>(count) + 1),
+        counts_(static_cast<size_t>(count) + 1),
+        blocks_((static_cast<size_t>(count) >> shift_) + 1) {}
+
+  // Replaces the depths of a line by their averages.
+  void Apply(float* line) {
+    Read(line);
+    if (counts_.back() == 0) return;
+    for (int n = 0; n < count_; ++n) line[n] = At(n);
+  }
+
+ private:
+  struct Block {
+    float least = -kNoDepth, most = kNoDepth;
+  };
+
+  void Read(const float* line) {
+    std::ranges::fill(blocks_, Block());
+    for (size_t n = 0; n < line_.size(); ++n) {
+      const float depth = line_[n] = line[n];
       const bool is_there = depth != kNoDepth;
       sums_[n + 1] = sums_[n] + (is_there ? double{depth} : 0);
       counts_[n + 1] = counts_[n] + is_there;
@@ -55,11 +70,6 @@ class LineBlur {
     return static_cast<float>(sum / weight);
   }
 
- private:
-  struct Block {
-    float least = -kNoDepth, most = kNoDepth;
-  };
-
   bool AllCount(float here, int first, int last) const {
     for (int n = first; n <= last; ++n) {
       const Block& block = blocks_[static_cast<size_t>(n)];
@@ -77,13 +87,27 @@ class LineBlur {
   std::vector<Block> blocks_;
 };
 
-// Blurs along rows, or along columns.
-void Blur(int wide, int radius, bool across, std::vector<float>& depth) {
-  tbb::parallel_for(0, wide, [&](int n) {
-    const size_t step = across ? 1 : static_cast<size_t>(wide);
-    const size_t first = static_cast<size_t>(n) * (across ? static_cast<size_t>(wide) : 1);
-    const LineBlur line(depth, first, step, wide, radius);
-    for (int m = 0; m < wide; ++m) depth[first + static_cast<size_t>(m) * step] = line.At(m);
+void BlurRows(size_t wide, int radius, std::vector<float>& depth) {
+  tbb::parallel_for(tbb::blocked_range<size_t>(0, wide), [&](const auto& rows) {
+    LineBlur blur(static_cast<int>(wide), radius);
+    for (size_t y = rows.begin(); y < rows.end(); ++y) blur.Apply(&depth[y * wide]);
+  });
+}
+
+// Copies columns to lines and back, as many as lie in a line of the cache.
+void BlurColumns(size_t wide, int radius, std::vector<float>& depth) {
+  constexpr size_t kColumns = 16;
+  tbb::parallel_for(size_t{0}, (wide + kColumns - 1) / kColumns, [&](size_t part) {
+    const size_t first = part * kColumns, count = std::min(kColumns, wide - first);
+    LineBlur blur(static_cast<int>(wide), radius);
+    std::vector<float> lines(count * wide);
+    for (size_t y = 0; y < wide; ++y) {
+      for (size_t x = 0; x < count; ++x) lines[x * wide + y] = depth[y * wide + first + x];
+    }
+    for (size_t x = 0; x < count; ++x) blur.Apply(&lines[x * wide]);
+    for (size_t y = 0; y < wide; ++y) {
+      for (size_t x = 0; x < count; ++x) depth[y * wide + first + x] = lines[x * wide + y];
+    }
   });
 }
 
@@ -91,7 +115,10 @@ void Blur(int wide, int radius, bool across, std::vector<float>& depth) {
 
 std::vector<float> SmoothDepth(const std::vector<float>& depth, int wide, int radius) {
   std::vector<float> out = depth;
-  for (const bool across : {true, false, true, false}) Blur(wide, radius, across, out);
+  for (int pass = 0; pass < 2; ++pass) {
+    BlurRows(static_cast<size_t>(wide), radius, out);
+    BlurColumns(static_cast<size_t>(wide), radius, out);
+  }
   return out;
 }
 

@@ -184,10 +184,12 @@ class Renderer {
       for (int d = 0; d < kDirections; ++d) {
         const float angle = (static_cast<float>(d) + static_cast<float>(phase) / (kSamples * kSamples)) *
                             (2 * std::numbers::pi_v<float> / kDirections);
+        const auto direction = static_cast<size_t>(d);
         float distance = HollowReach();
-        for (Tap& tap : taps_[static_cast<size_t>(phase)][static_cast<size_t>(d)]) {
-          tap = {static_cast<int>(std::lround(std::cos(angle) * distance)),
-                 static_cast<int>(std::lround(std::sin(angle) * distance)), distance};
+        for (Ring& ring : rings_[static_cast<size_t>(phase)]) {
+          ring.dx[direction] = static_cast<int>(std::lround(std::cos(angle) * distance));
+          ring.dy[direction] = static_cast<int>(std::lround(std::sin(angle) * distance));
+          ring.distance[direction] = distance;
           distance *= 0.55F;
         }
       }
@@ -197,23 +199,28 @@ class Renderer {
   float HollowReach() const { return 0.07F * static_cast<float>(wide_); }
 
   // Returns the hidden share of the sky, by the height of the surroundings over the tangent plane. Where the surface is
-  // seen edge-on, its tangent plane is not known well enough.
+  // seen edge-on, its tangent plane is not known well enough. The compiler makes vectors of the directions.
   float Occlusion(int x, int y, const Vec3f& normal) const {
     const float reach = HollowReach(), here = smooth_[At(x, y)], z = std::max(normal[2], 0.3F);
-    float sum = 0;
-    for (const auto& direction : taps_[PhaseOf(x, y)]) {
-      float horizon = 0;
-      for (const Tap& tap : direction) {
-        if (x + tap.dx < 0 || y + tap.dy < 0 || x + tap.dx >= wide_ || y + tap.dy >= wide_) continue;
-        const float there = smooth_[At(x + tap.dx, y + tap.dy)];
-        const float slope = (normal[0] * static_cast<float>(tap.dx) - normal[1] * static_cast<float>(tap.dy)) / z;
-        const float rise = there - (here - slope);
-        if (!(rise > 0)) continue;
-        const float sine = rise / std::sqrt(rise * rise + tap.distance * tap.distance);
-        horizon = std::max(horizon, Share(sine, 0.08F, 1) * Share(rise, 3 * reach, reach));
+    std::array<float, kDirections> horizon{}, there{};
+    const int margin = static_cast<int>(reach) + 1;
+    const bool inside = std::min(x, y) >= margin && std::max(x, y) < wide_ - margin;
+    for (const Ring& ring : rings_[PhaseOf(x, y)]) {
+      for (size_t d = 0; d < kDirections; ++d) {
+        const int sx = x + ring.dx[d], sy = y + ring.dy[d];
+        const bool known = inside || (sx >= 0 && sy >= 0 && sx < wide_ && sy < wide_);
+        there[d] = known ? smooth_[At(sx, sy)] : kNoDepth;
       }
-      sum += horizon;
+      for (size_t d = 0; d < kDirections; ++d) {
+        const float dx = static_cast<float>(ring.dx[d]), dy = static_cast<float>(ring.dy[d]);
+        const float rise = there[d] - (here - (normal[0] * dx - normal[1] * dy) / z);
+        const float sine = rise / std::sqrt(rise * rise + ring.distance[d] * ring.distance[d]);
+        const float hidden = Share(sine, 0.08F, 1) * Share(rise, 3 * reach, reach);
+        horizon[d] = rise > 0 && hidden > horizon[d] ? hidden : horizon[d];
+      }
     }
+    float sum = 0;
+    for (const float each : horizon) sum += each;
     return sum / kDirections * Share(normal[2], 0.1F, 0.5F);
   }
 
@@ -270,9 +277,9 @@ class Renderer {
   }
 
   static constexpr int kDirections = 8, kSteps = 5;
-  struct Tap {
-    int dx, dy;
-    float distance;
+  struct Ring {  // the taps of all directions at about one distance
+    std::array<int, kDirections> dx, dy;
+    std::array<float, kDirections> distance;
   };
 
   const VoxelScene& scene_;
@@ -292,7 +299,7 @@ class Renderer {
   std::array<std::optional<VoxelFront>, 1 + kSamples * kSamples> fronts_;  // toward the viewer, then toward each light
   std::vector<uint8_t> facet_, edge_;
   std::vector<uint32_t> colors_;  // of the samples; empty: all are color_
-  std::array<std::array<std::array<Tap, kSteps>, kDirections>, kSamples * kSamples> taps_{};
+  std::array<std::array<Ring, kSteps>, kSamples * kSamples> rings_{};
 };
 
 // Returns the part of the picture that has cells, with a margin as on the side that they fill.

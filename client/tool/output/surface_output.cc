@@ -1,8 +1,12 @@
 #include "client/tool/output/surface_output.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstdint>
+#include <initializer_list>
+#include <limits>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -11,6 +15,7 @@
 #include "absl/container/flat_hash_map.h"
 #include "absl/strings/str_cat.h"
 #include "client/json/json.h"
+#include "client/tool/output/cell_index.h"
 #include "client/tool/output/field_columns.h"
 #include "client/tool/output/voronoi_cell.h"
 #include "latvox/for_each_voxel.h"
@@ -24,85 +29,168 @@ constexpr int kUnsignedByte = 5121, kFloat = 5126, kUnsignedInt = 5125, kArrayBu
               kElementArrayBuffer = 34963;
 static_assert(std::endian::native == std::endian::little);
 
+using Position = std::array<float, 3>;
+using Triangle = std::array<uint32_t, 3>;
+using Rgba = std::array<uint8_t, 4>;
+
 template <class T>
-std::string_view BytesOf(const std::vector<T>& values) {
-  return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)};
+void AppendTo(std::string& out, const T& value) {
+  out.append(reinterpret_cast<const char*>(&value), sizeof(value));
 }
 
 void AppendWords(std::initializer_list<uint32_t> words, std::string& out) {
-  for (const uint32_t word : words) out.append(reinterpret_cast<const char*>(&word), sizeof(word));
+  for (const uint32_t word : words) AppendTo(out, word);
 }
 
-Vec3i IndexSum(const Vec3i& a, const Vec3i& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
-
-// Triangles. Voxels do not share corners.
-struct Surface {
-  Vec3d place{};  // world
-  std::vector<std::array<float, 3>> corners;
-  std::vector<std::array<uint32_t, 3>> triangles;
-  std::vector<std::array<uint8_t, 4>> colors;  // red, green, blue, opacity of the corners; or empty
-};
-
-class VoxelLookup {
+// The triangles of the facets that have no voxel behind them. They are made again for each part of the file, so they
+// take no memory: 2 bytes for each voxel, and those of the bricks. Voxels do not share corners.
+class Surface {
  public:
-  void Add(const Brick& brick) { masks_[brick.brick_ijk] = brick.mask; }
-  bool Has(const Vec3i& ijk) const {
-    const auto found = masks_.find({ijk[0] >> 3, ijk[1] >> 3, ijk[2] >> 3});
-    return found != masks_.end() &&
-           (found->second[static_cast<size_t>(ijk[0] & 7)] >> ((ijk[1] & 7) << 3 | (ijk[2] & 7)) & 1) != 0;
+  // `bricks` must outlive the surface.
+  Surface(const std::vector<Brick>& bricks, const GridTransform& grid)
+      : bricks_(bricks), grid_(grid), cell_(VoronoiCellOf(grid.basis)), patterns_(size_t{1} << cell_.faces.size()) {
+    for (const Brick& brick : bricks) masks_[brick.brick_ijk] = brick.mask;
+    if (!bricks.empty()) {
+      const Vec3i& b = bricks[0].brick_ijk;
+      place_ = grid.ToWorld({8 * b[0], 8 * b[1], 8 * b[2]});
+    }
+    for (const Brick& brick : bricks) {
+      ForEachVoxel(brick, [&](const Vec3i& ijk) {
+        open_.push_back(OpenFacets(brick, ijk));
+        const Pattern& pattern = PatternOf(open_.back());
+        triangles_ += pattern.triangles.size();
+        corners_ += pattern.corners.size();
+        for (const Position& position : PositionsOf(pattern, ijk)) {
+          for (size_t m = 0; m < 3; ++m) {
+            low_[m] = std::min(low_[m], position[m]);
+            high_[m] = std::max(high_[m], position[m]);
+          }
+        }
+      });
+    }
+  }
+
+  const Vec3d& place() const { return place_; }  // of position 0, in the world
+  const Position& low() const { return low_; }
+  const Position& high() const { return high_; }
+  uint64_t corners() const { return corners_; }
+  uint64_t triangles() const { return triangles_; }
+
+  // Call append(bytes) with the bytes of one brick after the other, until it returns an error. `colors` has one color
+  // for each voxel, red << 16 | green << 8 | blue.
+  template <class Append>
+  absl::Status AppendCorners(const Append& append) {
+    return ForEachBrick(append, [this](const Vec3i& ijk, size_t, const Pattern& pattern, std::string& bytes) {
+      const std::vector<Position>& positions = PositionsOf(pattern, ijk);
+      bytes.append(reinterpret_cast<const char*>(positions.data()), positions.size() * sizeof(Position));
+    });
+  }
+  template <class Append>
+  absl::Status AppendTriangles(const Append& append) {
+    uint32_t first = 0;
+    return ForEachBrick(append, [&first](const Vec3i&, size_t, const Pattern& pattern, std::string& bytes) {
+      for (const auto& [a, b, c] : pattern.triangles) AppendTo(bytes, Triangle{first + a, first + b, first + c});
+      first += static_cast<uint32_t>(pattern.corners.size());
+    });
+  }
+  template <class Append>
+  absl::Status AppendColors(const std::vector<uint32_t>& colors, const Append& append) {
+    return ForEachBrick(append, [&colors](const Vec3i&, size_t voxel, const Pattern& pattern, std::string& bytes) {
+      const uint32_t n = colors[voxel];
+      const Rgba color = {static_cast<uint8_t>(n >> 16), static_cast<uint8_t>(n >> 8), static_cast<uint8_t>(n), 255};
+      for (size_t corner = 0; corner < pattern.corners.size(); ++corner) AppendTo(bytes, color);
+    });
   }
 
  private:
-  absl::flat_hash_map<Vec3i, decltype(Brick::mask)> masks_;
-};
+  // The surface of a voxel with certain open facets.
+  struct Pattern {
+    std::vector<Vec3d> corners;       // relative to the lattice point
+    std::vector<Triangle> triangles;  // numbers in `corners`
+  };
 
-// `colors` has one color per voxel, red << 16 | green << 8 | blue, or is empty.
-Surface SurfaceOf(const std::vector<Brick>& bricks, const std::vector<uint32_t>& colors, const GridTransform& grid) {
-  VoxelLookup voxels;
-  for (const Brick& brick : bricks) voxels.Add(brick);
-  const VoronoiCell cell = VoronoiCellOf(grid.basis);
-  Surface surface;
-  if (!bricks.empty()) {
-    const Vec3i& b = bricks[0].brick_ijk;
-    surface.place = grid.ToWorld({8 * b[0], 8 * b[1], 8 * b[2]});
+  // Returns a bit for each facet of the cell that has no voxel behind it.
+  uint16_t OpenFacets(const Brick& brick, const Vec3i& ijk) const {
+    uint16_t open = 0;
+    for (size_t face = 0; face < cell_.faces.size(); ++face) {
+      const Vec3i neighbor = Plus(ijk, cell_.faces[face].neighbor), brick_ijk = ShiftRight(neighbor, 3);
+      const auto* mask = &brick.mask;
+      if (brick_ijk != brick.brick_ijk) {
+        const auto found = masks_.find(brick_ijk);
+        mask = found == masks_.end() ? nullptr : &found->second;
+      }
+      if (mask == nullptr || !HasVoxel(*mask, neighbor)) open = static_cast<uint16_t>(open | 1U << face);
+    }
+    return open;
   }
-  constexpr uint32_t kNone = UINT32_MAX;
-  std::vector<uint32_t> index(cell.corners.size());
-  const auto add_voxel = [&](const Vec3i& ijk) {
-    const Vec3d center = grid.ToWorld(ijk);
-    std::fill(index.begin(), index.end(), kNone);
+
+  // Makes a pattern when a voxel first has it.
+  const Pattern& PatternOf(uint16_t open) {
+    std::optional<Pattern>& known = patterns_[open];
+    if (known) return *known;
+    Pattern& pattern = known.emplace();
+    std::vector<int> numbers;  // of the corners, in the cell
     const auto corner = [&](int n) {
-      uint32_t& known = index[static_cast<size_t>(n)];
-      if (known != kNone) return known;
-      const Vec3d& offset = cell.corners[static_cast<size_t>(n)];
-      std::array<float, 3> position{};
-      for (size_t m = 0; m < 3; ++m) position[m] = static_cast<float>(center[m] - surface.place[m] + offset[m]);
-      known = static_cast<uint32_t>(surface.corners.size());
-      surface.corners.push_back(position);
-      return known;
+      const auto found = std::find(numbers.begin(), numbers.end(), n);
+      const auto number = static_cast<uint32_t>(found - numbers.begin());
+      if (found != numbers.end()) return number;
+      numbers.push_back(n);
+      pattern.corners.push_back(cell_.corners[static_cast<size_t>(n)]);
+      return number;
     };
-    for (const CellFace& face : cell.faces) {
-      if (voxels.Has(IndexSum(ijk, face.neighbor))) continue;
-      for (size_t n = 2; n < face.corners.size(); ++n) {
-        surface.triangles.push_back({corner(face.corners[0]), corner(face.corners[n - 1]), corner(face.corners[n])});
+    for (size_t face = 0; face < cell_.faces.size(); ++face) {
+      if ((open >> face & 1) == 0) continue;
+      const std::vector<int>& corners = cell_.faces[face].corners;
+      for (size_t n = 2; n < corners.size(); ++n) {
+        pattern.triangles.push_back({corner(corners[0]), corner(corners[n - 1]), corner(corners[n])});
       }
     }
-  };
-  const uint32_t* color = colors.data();
-  for (const Brick& brick : bricks) {
-    ForEachVoxel(brick, [&](const Vec3i& ijk) {
-      add_voxel(ijk);
-      if (colors.empty()) return;
-      const uint32_t n = *color++;
-      surface.colors.resize(surface.corners.size(), {static_cast<uint8_t>(n >> 16), static_cast<uint8_t>(n >> 8),
-                                                     static_cast<uint8_t>(n), 255});
-    });
+    return pattern;
   }
-  return surface;
-}
+
+  // The result is valid until the next call.
+  const std::vector<Position>& PositionsOf(const Pattern& pattern, const Vec3i& ijk) {
+    const Vec3d center = grid_.ToWorld(ijk);
+    positions_.resize(pattern.corners.size());
+    for (size_t n = 0; n < positions_.size(); ++n) {
+      for (size_t m = 0; m < 3; ++m) {
+        positions_[n][m] = static_cast<float>(center[m] - place_[m] + pattern.corners[n][m]);
+      }
+    }
+    return positions_;
+  }
+
+  // Calls make(ijk, number of the voxel, pattern, bytes) for each voxel, and append(bytes) for each brick.
+  template <class Append, class Make>
+  absl::Status ForEachBrick(const Append& append, const Make& make) {
+    size_t voxel = 0;
+    std::string bytes;
+    for (const Brick& brick : bricks_) {
+      bytes.clear();
+      ForEachVoxel(brick, [&](const Vec3i& ijk) {
+        make(ijk, voxel, PatternOf(open_[voxel]), bytes);
+        ++voxel;
+      });
+      if (auto status = append(bytes); !status.ok()) return status;
+    }
+    return absl::OkStatus();
+  }
+
+  static constexpr float kMost = std::numeric_limits<float>::max();
+  const std::vector<Brick>& bricks_;
+  const GridTransform grid_;
+  const VoronoiCell cell_;
+  std::vector<std::optional<Pattern>> patterns_;  // by open facets; a cell has at most 14
+  absl::flat_hash_map<Vec3i, decltype(Brick::mask)> masks_;
+  std::vector<uint16_t> open_;  // facets of each voxel
+  std::vector<Position> positions_;
+  Vec3d place_{};
+  Position low_{kMost, kMost, kMost}, high_{-kMost, -kMost, -kMost};
+  uint64_t corners_ = 0, triangles_ = 0;
+};
 
 // Without voxels the scene is empty, because glTF does not allow empty meshes.
-Json Describe(const Surface& surface, const Summary& summary) {
+Json Describe(const Surface& surface, bool colored, const Summary& summary) {
   Json json = {{"asset", {{"version", "2.0"}, {"generator", "latvox " + summary.certificate.version}}},
                {"scene", 0},
                {"scenes", {Json::object()}}};
@@ -110,38 +198,30 @@ Json Describe(const Surface& surface, const Summary& summary) {
                     {"lattice", summary.certificate.lattice},
                     {"separability", summary.certificate.separability},
                     {"digest", summary.certificate.digest}};
-  if (surface.triangles.empty()) return json;
-  std::array<float, 3> low = surface.corners[0], high = low;
-  for (const auto& corner : surface.corners) {
-    for (size_t m = 0; m < 3; ++m) {
-      low[m] = std::min(low[m], corner[m]);
-      high[m] = std::max(high[m], corner[m]);
-    }
-  }
-  const size_t corners_bytes = BytesOf(surface.corners).size(), triangles_bytes = BytesOf(surface.triangles).size();
+  if (surface.triangles() == 0) return json;
+  const uint64_t corners_bytes = surface.corners() * sizeof(Position);
+  const uint64_t triangles_bytes = surface.triangles() * sizeof(Triangle);
+  const uint64_t colors_bytes = colored ? surface.corners() * sizeof(Rgba) : 0;
   json["scenes"][0]["nodes"] = {0};
-  json["nodes"] = {{{"name", "voxels"}, {"mesh", 0}, {"translation", surface.place}}};
+  json["nodes"] = {{{"name", "voxels"}, {"mesh", 0}, {"translation", surface.place()}}};
   json["meshes"] = {{{"primitives", {{{"attributes", {{"POSITION", 0}}}, {"indices", 1}}}}}};
-  json["accessors"] = {{{"bufferView", 0},
-                        {"componentType", kFloat},
-                        {"count", surface.corners.size()},
-                        {"type", "VEC3"},
-                        {"min", low},
-                        {"max", high}},
-                       {{"bufferView", 1},
-                        {"componentType", kUnsignedInt},
-                        {"count", 3 * surface.triangles.size()},
-                        {"type", "SCALAR"}}};
+  json["accessors"] = {
+      {{"bufferView", 0},
+       {"componentType", kFloat},
+       {"count", surface.corners()},
+       {"type", "VEC3"},
+       {"min", surface.low()},
+       {"max", surface.high()}},
+      {{"bufferView", 1}, {"componentType", kUnsignedInt}, {"count", 3 * surface.triangles()}, {"type", "SCALAR"}}};
   json["bufferViews"] = {
       {{"buffer", 0}, {"byteLength", corners_bytes}, {"target", kArrayBuffer}},
       {{"buffer", 0}, {"byteOffset", corners_bytes}, {"byteLength", triangles_bytes}, {"target", kElementArrayBuffer}}};
-  const size_t colors_bytes = BytesOf(surface.colors).size();
-  if (colors_bytes > 0) {
+  if (colored) {
     json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = 2;
     json["accessors"].push_back({{"bufferView", 2},
                                  {"componentType", kUnsignedByte},
                                  {"normalized", true},
-                                 {"count", surface.colors.size()},
+                                 {"count", surface.corners()},
                                  {"type", "VEC4"}});
     json["bufferViews"].push_back({{"buffer", 0},
                                    {"byteOffset", corners_bytes + triangles_bytes},
@@ -171,11 +251,12 @@ class GlbOutput final : public Output {
   }
 
   absl::Status Finish(const Summary& summary) override {
-    const Surface surface = SurfaceOf(bricks_, colors_, grid_);
-    std::string json = Describe(surface, summary).dump();
+    Surface surface(bricks_, grid_);
+    const bool colored = !colors_.empty();
+    std::string json = Describe(surface, colored, summary).dump();
     json.resize((json.size() + 3) / 4 * 4, ' ');
     const uint64_t binary =
-        BytesOf(surface.corners).size() + BytesOf(surface.triangles).size() + BytesOf(surface.colors).size();
+        surface.corners() * (sizeof(Position) + (colored ? sizeof(Rgba) : 0)) + surface.triangles() * sizeof(Triangle);
     const uint64_t all = 12 + 8 + json.size() + (binary > 0 ? 8 + binary : 0);
     if (all > UINT32_MAX) {
       return absl::ResourceExhaustedError(absl::StrCat(file_->target(), ": the surface takes ", all,
@@ -187,10 +268,12 @@ class GlbOutput final : public Output {
                 head);
     head += json;
     if (binary > 0) AppendWords({static_cast<uint32_t>(binary), kBinaryChunk}, head);
-    for (const std::string_view part :
-         {std::string_view(head), BytesOf(surface.corners), BytesOf(surface.triangles), BytesOf(surface.colors)}) {
-      if (auto status = file_->Append(part); !status.ok()) return status;
-    }
+    const auto append = [this](std::string_view bytes) { return file_->Append(bytes); };
+    absl::Status status = append(head);
+    if (status.ok()) status = surface.AppendCorners(append);
+    if (status.ok()) status = surface.AppendTriangles(append);
+    if (status.ok() && colored) status = surface.AppendColors(colors_, append);
+    if (!status.ok()) return status;
     return file_->Sync();
   }
 

@@ -4,18 +4,13 @@
 #include <cmath>
 #include <limits>
 
-#include "client/internal/vec3.h"
 #include "latvox/plane_types.h"
 
 namespace latvox::client {
 namespace {
 
-constexpr double kSquare = 2;    // edge
 constexpr double kSlack = 1e-2;  // margin for single precision
 constexpr double kFar = std::numeric_limits<double>::max();
-constexpr float kNothing = -std::numeric_limits<float>::infinity();
-
-int Floor(double x) { return static_cast<int>(std::floor(x)); }
 
 }  // namespace
 
@@ -27,11 +22,14 @@ VoxelFront::VoxelFront(const VoxelScene& scene, const Vec3d& towards) : towards_
   for (const Vec3d& corner : scene.cell_corners()) radius = std::max(radius, Length(corner));
   const double across = radius / kSquare;
   Vec2d low = {kFar, kFar}, high = {-kFar, -kFar};
-  scene.ForEachOuter([&](const Vec3i& cell) {
-    const Vec3d at = Project(scene.CenterOf(cell));
-    for (size_t m = 0; m < 2; ++m) {
-      low[m] = std::min(low[m], at[m] - across);
-      high[m] = std::max(high[m], at[m] + across);
+  scene.ForEachBrick([&](const Brick& brick) {
+    for (int corner = 0; corner < 8; ++corner) {  // between which all cells of the brick lie
+      const auto place = [&](int m) { return brick.brick_ijk[static_cast<size_t>(m)] * 8 + (corner >> m & 1) * 7; };
+      const Vec3d at = Project(scene.CenterOf({place(0), place(1), place(2)}));
+      for (size_t m = 0; m < 2; ++m) {
+        low[m] = std::min(low[m], at[m] - across - kSlack);
+        high[m] = std::max(high[m], at[m] + across + kSlack);
+      }
     }
   });
   for (size_t m = 0; m < 2 && !scene.empty(); ++m) {
@@ -41,29 +39,16 @@ VoxelFront::VoxelFront(const VoxelScene& scene, const Vec3d& towards) : towards_
   front_.assign(static_cast<size_t>(size_[0]) * static_cast<size_t>(size_[1]), kNothing);
   scene.ForEachOuter([&](const Vec3i& cell) {
     const Vec3d at = Project(scene.CenterOf(cell));
-    for (int y = Floor(at[1] - across); y <= Floor(at[1] + across); ++y) {
-      for (int x = Floor(at[0] - across); x <= Floor(at[0] + across); ++x) {
+    const int left = Floor(at[0] - across), right = Floor(at[0] + across);
+    const int low_y = Floor(at[1] - across), high_y = Floor(at[1] + across);
+    const auto height = static_cast<float>(at[2] + radius + kSlack);
+    for (int y = low_y; y <= high_y; ++y) {
+      for (int x = left; x <= right; ++x) {
         float& front = front_[Square(x, y)];
-        front = std::max(front, static_cast<float>(at[2] + radius + kSlack));
+        front = std::max(front, height);
       }
     }
   });
-}
-
-size_t VoxelFront::Square(int x, int y) const {
-  return static_cast<size_t>(y - low_[1]) * static_cast<size_t>(size_[0]) + static_cast<size_t>(x - low_[0]);
-}
-
-Vec3d VoxelFront::Project(const Vec3d& point) const {
-  return {Dot(point, u_) / kSquare, Dot(point, v_) / kSquare, Dot(point, towards_)};
-}
-
-double VoxelFront::Reach(const Vec3d& point) const {
-  const Vec3d at = Project(point);
-  for (size_t m = 0; m < 2; ++m) {
-    if (!(at[m] >= low_[m] && at[m] < low_[m] + size_[m])) return kNothing;
-  }
-  return front_[Square(Floor(at[0]), Floor(at[1]))] - at[2];
 }
 
 }  // namespace latvox::client

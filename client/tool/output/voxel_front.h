@@ -3,8 +3,11 @@
 #define LATVOX_CLIENT_TOOL_OUTPUT_VOXEL_FRONT_H_
 
 #include <array>
+#include <cmath>
+#include <limits>
 #include <vector>
 
+#include "client/internal/vec3.h"
 #include "client/tool/output/voxel_scene.h"
 #include "latvox/types.h"
 
@@ -17,12 +20,28 @@ class VoxelFront {
   VoxelFront(const VoxelScene& scene, const Vec3d& towards);  // unit length
 
   // Returns a bound t: no cell meets point + s * towards for s > t. Minus infinity: no cell on the whole line.
-  double Reach(const Vec3d& point) const;
+  double Reach(const Vec3d& point) const {
+    const Vec3d at = Project(point);
+    for (size_t m = 0; m < 2; ++m) {
+      if (!(at[m] >= low_[m] && at[m] < low_[m] + size_[m])) return kNothing;
+    }
+    return front_[Square(Floor(at[0]), Floor(at[1]))] - at[2];
+  }
 
  private:
   // Returns the position: two coordinates in squares of the plane, and the height along `towards`.
-  Vec3d Project(const Vec3d& point) const;
-  size_t Square(int x, int y) const;  // index in front_
+  Vec3d Project(const Vec3d& point) const {
+    return {Dot(point, u_) / kSquare, Dot(point, v_) / kSquare, Dot(point, towards_)};
+  }
+
+  size_t Square(int x, int y) const {  // index in front_
+    return static_cast<size_t>(y - low_[1]) * static_cast<size_t>(size_[0]) + static_cast<size_t>(x - low_[0]);
+  }
+
+  static int Floor(double x) { return static_cast<int>(std::floor(x)); }
+
+  static constexpr double kSquare = 2;  // edge
+  static constexpr float kNothing = -std::numeric_limits<float>::infinity();
 
   Vec3d u_, v_, towards_;
   std::array<int, 2> low_{}, size_{};  // squares
