@@ -1,8 +1,9 @@
 """The Debian packages of build/packages: judged by lintian, then installed, used, upgraded, removed and purged in a fresh
 Debian, with systemd as its process 1. `tests/run --packages` makes the packages first. LATVOX_DEBIAN, if set, is another
-release: those of build/RELEASE/packages."""
+release: those of build/RELEASE/packages. LATVOX_ARCHITECTURE=arm64 are those of build/arm64/packages."""
 
 import json
+import os
 import pathlib
 import re
 import shutil
@@ -13,11 +14,15 @@ import unittest
 import debian_root
 from debian_root import ROOT, STATE, Root, await_true, run
 
-PACKAGES = ROOT / "build" / ("" if debian_root.RELEASE == debian_root.OWN_RELEASE else debian_root.RELEASE) / "packages"
+OWN_ARCHITECTURE = run("dpkg", "--print-architecture").stdout.strip()
+ARCHITECTURE = os.environ.get("LATVOX_ARCHITECTURE", OWN_ARCHITECTURE)
+OTHER = ("" if debian_root.RELEASE == debian_root.OWN_RELEASE else debian_root.RELEASE,
+         "" if ARCHITECTURE == OWN_ARCHITECTURE else ARCHITECTURE)  # fmt: skip
+PACKAGES = pathlib.Path(ROOT, "build", *OTHER, "packages")
 NAMES = ("latvox", "latvoxd", "liblatvox-dev", "python3-latvox")
 BUNNY = "/usr/share/glmark2/models/bunny.obj"
 ADDRESS = "127.0.0.1:50151"
-MULTIARCH = run("dpkg-architecture", "-qDEB_HOST_MULTIARCH").stdout.strip()
+MULTIARCH = run("dpkg-architecture", f"-a{ARCHITECTURE}", "-qDEB_HOST_MULTIARCH").stdout.strip()
 UNIT = "/usr/lib/systemd/system/latvoxd.service"
 FILES = {
     "latvox": {"/usr/bin/latvox", f"/usr/lib/{MULTIARCH}/latvox/latvox-vdb.so", "/usr/share/man/man1/latvox.1.gz", "/usr/share/bash-completion/completions/latvox",
@@ -74,7 +79,6 @@ class Packages(unittest.TestCase):
         self.assertEqual(len(paths), len(set(paths)))
 
     def test_dependencies_are_those_of_the_programs(self):
-        architecture = run("dpkg", "--print-architecture").stdout.strip()
         facts = {name: fields(name) for name in NAMES}
         for name, library in ("latvox", "libopenvdb"), ("latvoxd", "libgrpc++"), ("python3-latvox", "libgrpc++"):
             self.assertRegex(facts[name]["Depends"], rf"\b{re.escape(library)}\S* \(>= ")
@@ -82,7 +86,7 @@ class Packages(unittest.TestCase):
             self.assertNotIn("openvdb", facts[name]["Depends"])
         version = facts["latvox"]["Version"]
         self.assertEqual({each["Version"] for each in facts.values()}, {version})
-        self.assertEqual({each["Architecture"] for each in facts.values()}, {architecture})
+        self.assertEqual({each["Architecture"] for each in facts.values()}, {ARCHITECTURE})
         self.assertIn(f"latvoxd (= {version})", facts["latvox"]["Depends"])
         self.assertRegex(facts["python3-latvox"]["Depends"], r"python3 \(>= 3\.\d+\), python3 \(<< 3\.\d+\)")
 
