@@ -54,7 +54,7 @@ py::array Rows(const Voxels& voxels, const Visit& visit) {
   for (const Brick& brick : voxels.all.bricks) {
     ForEachVoxel(brick, [&](const Vec3i& ijk) { next = std::ranges::copy(visit(ijk), next).out; });
   }
-  return std::move(rows);
+  return rows;
 }
 
 // Returns a view of the same member of all bricks.
