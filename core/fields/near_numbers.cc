@@ -10,7 +10,8 @@ void NearNumbers::Begin(const SnappedMesh& mesh, const FieldPlan& plan, std::spa
   constexpr size_t kPiece = 4096;  // triangles between two looks at the stop signal
   const int bits = kSubvoxelBits + cell_bits_;
   const Vec3i reach = *plan.near_reach, origin = low * kLatticeUnit;
-  plan_ = &plan;
+  numbers_ = plan.of_vertices.data();
+  count_ = plan.of_mesh.size();
   rows_.fill({});
   kinds_.clear();
   last_kind_ = kMixed;
@@ -22,7 +23,7 @@ void NearNumbers::Begin(const SnappedMesh& mesh, const FieldPlan& plan, std::spa
     const Vec3i u = mesh.vertices_lat[a] - origin, v = mesh.vertices_lat[b] - origin, w = mesh.vertices_lat[c] - origin;
     Vec3i first, last;
     for (size_t m = 0; m < 3; ++m) {
-      const auto [least, most] = std::minmax({u[m], v[m], w[m]});
+      const int32_t least = std::min(std::min(u[m], v[m]), w[m]), most = std::max(std::max(u[m], v[m]), w[m]);
       first[m] = std::max((least - reach[m] + kLatticeUnit - 1) >> bits, 0);
       last[m] = std::min((most + reach[m]) >> bits, kSide - 1);
     }
@@ -44,15 +45,6 @@ void NearNumbers::Begin(const SnappedMesh& mesh, const FieldPlan& plan, std::spa
       }
     }
   }
-}
-
-bool NearNumbers::AreEqual(uint32_t vertex, uint32_t other) const {
-  const size_t count = plan_->of_mesh.size();
-  const uint32_t* const numbers = plan_->of_vertices.data();
-  for (size_t n = 0; n < count; ++n) {
-    if (numbers[vertex * count + n] != numbers[other * count + n]) return false;
-  }
-  return true;
 }
 
 // Neighbors in the list of triangles mostly are of one kind.

@@ -22,7 +22,7 @@ class NearNumbers {
   // The sides of cells: 2^cell_bits voxels.
   explicit NearNumbers(int cell_bits) : cell_bits_(cell_bits) {}
 
-  // Begins a cube. Once stopped, the result is meaningless. Keeps a reference to the plan.
+  // Begins a cube. Once stopped, the result is meaningless. The plan must live while this is used.
   //   plan        with near_reach
   //   triangles   all that come within that reach of the cube's lattice points, and maybe others
   //   low         the cube's lowest point, local
@@ -36,8 +36,7 @@ class NearNumbers {
     const Row& row = rows_[RowOf(cell[0], cell[1])];
     const auto any = static_cast<uint8_t>(row.any >> 8 * cell[2]), all = static_cast<uint8_t>(row.all >> 8 * cell[2]);
     if (any != all) return {};
-    const size_t count = plan_->of_mesh.size();
-    return {&plan_->of_vertices[kinds_[any - size_t{1}] * count], count};
+    return {&numbers_[kinds_[any - size_t{1}] * count_], count_};
   }
 
   // Returns the triangles near a cell, and maybe others, valid until the next call. Cells in lexicographic order share
@@ -64,12 +63,20 @@ class NearNumbers {
   };
 
   static size_t RowOf(int32_t i, int32_t j) { return static_cast<size_t>(i * kSide + j); }
-  bool AreEqual(uint32_t vertex, uint32_t other) const;
+  bool AreEqual(uint32_t vertex, uint32_t other) const {
+    const uint32_t *const a = &numbers_[vertex * count_], *const b = &numbers_[other * count_];
+    if (a[0] != b[0]) return false;
+    for (size_t n = 1; n < count_; ++n) {
+      if (a[n] != b[n]) return false;
+    }
+    return true;
+  }
   uint8_t KindOf(const std::array<uint32_t, 3>& corners);
   static void Keep(const std::vector<Placed>& from, int slab, std::vector<Placed>& kept);
 
   const int cell_bits_;
-  const FieldPlan* plan_ = nullptr;
+  const uint32_t* numbers_ = nullptr;  // of vertices, count_ of each
+  size_t count_ = 0;
   std::array<Row, size_t{kSide} * kSide> rows_;
   std::vector<uint32_t> kinds_;            // for each kind, a vertex that has its numbers
   uint8_t last_kind_ = 0;                  // of a triangle
