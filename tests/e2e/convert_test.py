@@ -187,6 +187,14 @@ class Convert(Case):
                 done = latvox(*command.split(), self.dir / name, *options)
                 self.assertEqual(done.returncode, {"yes": 0, "no": 3}[answer], (command, name, done.stderr))
 
+    def test_files_of_other_machines_are_refused_by_every_command(self):
+        url = "https://example.org/a.vdb?signature=secret"
+        for words in (["info", url], ["merge", url, "-o", "a.vdb"], ["compare", url, "b.vdb"], ["convert", url, "-o", "a.csv"],
+                      ["render", url, "-o", "a.png"], ["slice", url, "-o", "a.png"], ["view", url, "-o", "a.html"]):
+            done = latvox(*words)
+            self.assertEqual(done.returncode, 2, done.stderr)
+            self.assertIn('"https://example.org/a.vdb" is on another machine; download it', done.stderr)
+
     def test_grids_that_cannot_be_read(self):
         density = pyopenvdb.FloatGrid()
         density.name = "density"

@@ -5,6 +5,7 @@
 #include <limits>
 #include <set>
 
+#include "absl/strings/match.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
 #include "client/internal/trace_context.h"
@@ -55,6 +56,11 @@ OptionCheck Whole(int low, int high) {
             return absl::StrCat("\"", text, "\" is not a whole number from ", low, " to ", high);
           },
           low == std::numeric_limits<int>::min() ? "" : absl::StrCat(low, " to ", high)};
+}
+
+std::string CheckIsHere(const std::string& path) {
+  if (!absl::StrContains(path, "://")) return "";
+  return absl::StrCat("\"", WithoutQuery(path), "\" is on another machine; download it");
 }
 
 OptionRow OutputRow(const std::vector<std::string>& extensions, std::vector<std::string>& outputs, bool several,

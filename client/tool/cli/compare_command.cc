@@ -123,14 +123,23 @@ void AddCompareOptions(CommandParser& command, CompareWords& words) {
   OptionRow output = OutputRow({".vdb", ".png"}, words.outputs, /*several=*/true);
   output.help = "Write the difference: a grid of the voxels that differ (.vdb), or a picture (.png); may be repeated";
   output.required = false;
-  command.Add(
-      {{.names = "a", .target = &words.a, .help = "First OpenVDB or NanoVDB file", .value = "A.vdb", .required = true},
-       {.names = "b", .target = &words.b, .help = "Second OpenVDB or NanoVDB file", .value = "B.vdb", .required = true},
-       {.names = "--voxels",
-        .target = &words.voxels_only,
-        .help = "Compare only the voxels and their positions, neither fields nor metadata"},
-       output,
-       {.names = "--json", .target = &words.json, .help = "Print the report as JSON"}});
+  command.Add({{.names = "a",
+                .target = &words.a,
+                .help = "First OpenVDB or NanoVDB file",
+                .value = "A.vdb",
+                .checks = {{CheckIsHere}},
+                .required = true},
+               {.names = "b",
+                .target = &words.b,
+                .help = "Second OpenVDB or NanoVDB file",
+                .value = "B.vdb",
+                .checks = {{CheckIsHere}},
+                .required = true},
+               {.names = "--voxels",
+                .target = &words.voxels_only,
+                .help = "Compare only the voxels and their positions, neither fields nor metadata"},
+               output,
+               {.names = "--json", .target = &words.json, .help = "Print the report as JSON"}});
 }
 
 void Check(const CompareWords& words) {

@@ -144,6 +144,7 @@ void AddConvertOptions(CommandParser& command, ConvertWords& words) {
                 .target = &words.input,
                 .help = "OpenVDB or NanoVDB file",
                 .value = "IN.vdb",
+                .checks = {{CheckIsHere}},
                 .required = true},
                OutputRow(Extensions(), words.outputs, /*several=*/true),
                {.names = "--fields",

@@ -261,7 +261,6 @@ absl::StatusOr<Job> JobParser::Parse(absl::string_view line) {
     words_.options.mesh.paths = *std::move(paths);
     words_.options.remote = std::move(remote);
     if (std::string& align = words_.options.align; !align.empty()) {
-      if (IsRemote(align)) return Wrong("align: ", align, ": is no file of this machine; download it");
       auto place = PathOf(align, folder_);
       if (!place.ok()) return Wrong("align: ", place.status().message());
       align = *std::move(place);

@@ -208,6 +208,7 @@ class Program {
                .target = &info_path_,
                .help = absl::StrCat("File: ", absl::StrJoin(OutputExtensions(), " "), ", or a mesh"),
                .value = "FILE",
+               .checks = {{CheckIsHere}},
                .required = true},
               JsonRow("Print a JSON object", json_)});
     const auto add_call = [this](const char* name, const char* description, auto run) -> CommandParser& {

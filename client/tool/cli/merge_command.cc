@@ -28,6 +28,7 @@ void AddMergeOptions(CommandParser& command, MergeWords& words) {
                 .target = &words.parts,
                 .help = "Parts of one mesh and request: .vdb or .nvdb files made with --region, --bounds or --shard",
                 .value = "PART.vdb",
+                .checks = {{CheckIsHere}},
                 .required = true},
                OutputRow({".vdb"}, words.outputs, /*several=*/false, "; latvox convert writes it in other formats"),
                JsonRow("Print the summary as JSON", words.json)});

@@ -29,6 +29,7 @@ void AddRenderOptions(CommandParser& command, RenderWords& words) {
                 .target = &words.input,
                 .help = "OpenVDB or NanoVDB file",
                 .value = "IN.vdb",
+                .checks = {{CheckIsHere}},
                 .required = true},
                OutputRow({".png"}, words.outputs, /*several=*/false),
                SizeRow("Pixels along each side of the picture", words.picture.side),

@@ -116,7 +116,8 @@ Rows LatticeRows(VoxelizeWords& words) {
       {.names = "--align",
        .target = &words.options.align,
        .help = "Use the lattice and origin of this file's grid",
-       .value = "FILE.vdb"}};
+       .value = "FILE.vdb",
+       .checks = {{CheckIsHere}}}};
 }
 
 Rows SurfaceRows(VoxelizeWords& words) {

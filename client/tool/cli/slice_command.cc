@@ -152,6 +152,7 @@ void AddSliceOptions(CommandParser& command, SliceWords& words) {
                 .target = &words.input,
                 .help = "OpenVDB or NanoVDB file",
                 .value = "IN.vdb",
+                .checks = {{CheckIsHere}},
                 .required = true},
                OutputRow({".png", ".csv"}, words.outputs, /*several=*/true),
                {.names = "--axis",

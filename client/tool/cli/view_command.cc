@@ -16,6 +16,7 @@ void AddViewOptions(CommandParser& command, ViewWords& words) {
                 .target = &words.input,
                 .help = "OpenVDB or NanoVDB file",
                 .value = "IN.vdb",
+                .checks = {{CheckIsHere}},
                 .required = true},
                OutputRow({".html"}, words.outputs, /*several=*/false),
                {.names = "--view-up",
