@@ -63,6 +63,15 @@ std::string CheckIsHere(const std::string& path) {
   return absl::StrCat("\"", WithoutQuery(path), "\" is on another machine; download it");
 }
 
+OptionRow GridFileRow(std::string& path) {
+  return {.names = "file",
+          .target = &path,
+          .help = "OpenVDB or NanoVDB file",
+          .value = "IN.vdb",
+          .checks = {{CheckIsHere}},
+          .required = true};
+}
+
 OptionRow OutputRow(const std::vector<std::string>& extensions, std::vector<std::string>& outputs, bool several,
                     const std::string& hint) {
   const std::string known = absl::StrJoin(extensions, " ");

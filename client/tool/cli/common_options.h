@@ -45,6 +45,9 @@ bool ParseNumber(absl::string_view text, T& number) {
 // Checks a file that must be on this machine: only meshes, and the outputs of a request, may be elsewhere.
 std::string CheckIsHere(const std::string& path);
 
+// The row of a command's input: a grid on this machine.
+OptionRow GridFileRow(std::string& path);
+
 // Parses "1,2,3" as exactly N numbers.
 template <class T, size_t N>
 bool ParseNumbers(const std::string& text, std::array<T, N>& numbers) {

@@ -140,12 +140,7 @@ Summary SummaryOf(const GridFileInfo& info, uint64_t bricks) {
 }  // namespace
 
 void AddConvertOptions(CommandParser& command, ConvertWords& words) {
-  command.Add({{.names = "file",
-                .target = &words.input,
-                .help = "OpenVDB or NanoVDB file",
-                .value = "IN.vdb",
-                .checks = {{CheckIsHere}},
-                .required = true},
+  command.Add({GridFileRow(words.input),
                OutputRow(Extensions(), words.outputs, /*several=*/true),
                {.names = "--fields",
                 .target = &words.fields,

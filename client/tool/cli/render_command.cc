@@ -25,12 +25,7 @@ std::string CheckView(const std::string& text) {
 }  // namespace
 
 void AddRenderOptions(CommandParser& command, RenderWords& words) {
-  command.Add({{.names = "file",
-                .target = &words.input,
-                .help = "OpenVDB or NanoVDB file",
-                .value = "IN.vdb",
-                .checks = {{CheckIsHere}},
-                .required = true},
+  command.Add({GridFileRow(words.input),
                OutputRow({".png"}, words.outputs, /*several=*/false),
                SizeRow("Pixels along each side of the picture", words.picture.side),
                {.names = "--view-up",

@@ -148,12 +148,7 @@ absl::StatusOr<CutAt> CutOf(const SliceWords& words, const GridFileInfo& info) {
 }  // namespace
 
 void AddSliceOptions(CommandParser& command, SliceWords& words) {
-  command.Add({{.names = "file",
-                .target = &words.input,
-                .help = "OpenVDB or NanoVDB file",
-                .value = "IN.vdb",
-                .checks = {{CheckIsHere}},
-                .required = true},
+  command.Add({GridFileRow(words.input),
                OutputRow({".png", ".csv"}, words.outputs, /*several=*/true),
                {.names = "--axis",
                 .target = &words.axis,

@@ -12,12 +12,7 @@
 
 namespace latvox::client {
 void AddViewOptions(CommandParser& command, ViewWords& words) {
-  command.Add({{.names = "file",
-                .target = &words.input,
-                .help = "OpenVDB or NanoVDB file",
-                .value = "IN.vdb",
-                .checks = {{CheckIsHere}},
-                .required = true},
+  command.Add({GridFileRow(words.input),
                OutputRow({".html"}, words.outputs, /*several=*/false),
                {.names = "--view-up",
                 .target = &words.view_up,
