@@ -7,6 +7,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "absl/strings/str_split.h"
 #include "absl/strings/strip.h"
 
 namespace latvox::client {
@@ -35,6 +36,9 @@ absl::StatusOr<RemoteName> ParseS3(absl::string_view text) {
   if (remote.key.empty() || absl::EndsWith(remote.key, "/")) return Wrong(text, "has no file name after the bucket");
   const auto is_control = [](char c) { return absl::ascii_iscntrl(static_cast<unsigned char>(c)); };
   if (std::any_of(remote.key.begin(), remote.key.end(), is_control)) return Wrong(text, "has a control character");
+  for (const absl::string_view part : absl::StrSplit(remote.key, '/')) {
+    if (part == "." || part == "..") return Wrong(text, absl::StrCat("has a key with the part \"", part, "\""));
+  }
   remote.name = absl::StrCat("s3://", rest);
   return remote;
 }

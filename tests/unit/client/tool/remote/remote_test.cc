@@ -58,7 +58,6 @@ TEST(RemoteNames, FileNamesStayInTheirFolder) {
   EXPECT_EQ(FileNameOf(Parsed("https://h/a%2Fb.obj")), "a%2Fb.obj");
   EXPECT_EQ(FileNameOf(Parsed("https://h/%00.obj")), "%00.obj");
   EXPECT_EQ(FileNameOf(Parsed("https://h/%2e%2E")), "_");
-  EXPECT_EQ(FileNameOf(Parsed("s3://b/..")), "_");
   const std::string long_name = FileNameOf(Parsed("s3://b/" + std::string(1000, 'a') + ".obj"));
   EXPECT_LE(long_name.size(), 255u);
   EXPECT_TRUE(long_name.ends_with("a.obj"));
@@ -70,6 +69,9 @@ TEST(RemoteNames, ErrorsTellWhyAndNoSecret) {
   EXPECT_THAT(Refusal("s3://b"), HasSubstr("no file name"));
   EXPECT_THAT(Refusal("s3://b/k/"), HasSubstr("no file name"));
   EXPECT_THAT(Refusal("s3://b/a\nb"), HasSubstr("control character"));
+  EXPECT_THAT(Refusal("s3://b/a/../k"), HasSubstr("a key with the part \"..\""));
+  EXPECT_THAT(Refusal("s3://b/./k"), HasSubstr("a key with the part \".\""));
+  EXPECT_TRUE(Parsed("s3://b/.../..k//.k").is_s3());
   EXPECT_THAT(Refusal("https:///k"), HasSubstr("has no host"));
   EXPECT_THAT(Refusal("https://h"), HasSubstr("no file name"));
   EXPECT_THAT(Refusal("https://h/a/?sig=secret"), AllOf(HasSubstr("no file name"), Not(HasSubstr("secret"))));
