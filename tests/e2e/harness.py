@@ -44,6 +44,14 @@ class Case(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stderr)
         return json.loads(done.stdout)
 
+    def peak_memory(self, *arguments):
+        """Runs a command that must succeed. Returns the bytes that it held at most."""
+        process = subprocess.Popen([BIN / "latvox", *map(str, arguments)], stdout=subprocess.DEVNULL)
+        _, status, usage = os.wait4(process.pid, 0)
+        process.returncode = os.waitstatus_to_exitcode(status)
+        self.assertEqual(process.returncode, 0)
+        return usage.ru_maxrss * 1024
+
 
 def latvox(*arguments, **options):
     command = [BIN / "latvox", *map(str, arguments)]

@@ -1,7 +1,6 @@
 """Programs of others read .h5 files: voxels, positions, fields and links are those of the .csv and .npz."""
 
 import json
-import os
 import random
 import re
 import resource
@@ -146,13 +145,9 @@ class Hdf5(Case):
     def test_memory_does_not_grow_with_the_voxels(self):
         most = []
         for name in ("csv", "h5"):
-            words = [BIN / "latvox", "voxelize", BUNNY, "--resolution", "300", "--fields", "distance,normal", "-q", "-o", self.dir / f"m.{name}"]
-            process = subprocess.Popen(list(map(str, words)))
-            _, status, usage = os.wait4(process.pid, 0)
-            process.returncode = os.waitstatus_to_exitcode(status)
-            self.assertEqual(process.returncode, 0)
-            most.append(usage.ru_maxrss / 1024)
-        self.assertLess(most[1] - most[0], 40, "MB")
+            words = ["--resolution", "300", "--fields", "distance,normal", "-o", self.dir / f"m.{name}"]
+            most.append(self.peak_memory("voxelize", BUNNY, *words))
+        self.assertLess(most[1] - most[0], 40 << 20)
 
     def test_a_full_disk_is_an_error_and_leaves_nothing(self):
         def limit():

@@ -1,7 +1,6 @@
 """latvox merge: the joined file equals that of the whole, by OpenVDB and by latvox info, and needs little memory."""
 
 import json
-import os
 import pathlib
 import resource
 import signal
@@ -150,13 +149,6 @@ class Union(MergeCase):
             # At most a few MB of buffers beyond a file with hardly any bricks. Loading everything would take as much as
             # the file.
             self.assertLess(peaks[1], peaks[0] + 8e6, (extension, peaks, sizes))
-
-    def peak_memory(self, *arguments):
-        process = subprocess.Popen([BIN / "latvox", *map(str, arguments)], stdout=subprocess.DEVNULL)
-        _, status, usage = os.wait4(process.pid, 0)
-        process.returncode = os.waitstatus_to_exitcode(status)
-        self.assertEqual(process.returncode, OK)
-        return usage.ru_maxrss * 1024
 
 
 class Failures(MergeCase):

@@ -2,7 +2,6 @@
 
 import itertools
 import json
-import os
 import pathlib
 import re
 import subprocess
@@ -17,7 +16,7 @@ from vtkmodules.vtkIOImage import vtkMetaImageReader
 from vtkmodules.vtkIOXML import vtkXMLImageDataReader, vtkXMLUnstructuredGridReader
 
 from bodies import BODIES, write_bodies
-from harness import BIN, BUNNY, PATIENCE, Case, box, latvox, write_obj
+from harness import BUNNY, PATIENCE, Case, box, latvox, write_obj
 
 SPIDER = "/usr/share/assimp/models/OBJ/spider.obj"  # of assimp-testmodels
 DOCS = pathlib.Path(__file__).resolve().parents[2] / "client" / "docs" / "inputs-and-outputs.md"
@@ -288,23 +287,15 @@ class Science(Case):
 
     def test_a_binvox_takes_memory_for_bricks_alone(self):
         mesh = write_obj(self.dir / "cube.obj", box((0, 0, 0), (1, 1, 1)))
-        words = [BIN / "latvox", "voxelize", mesh, "--resolution", "400", "--set", "interior", "--quiet", "-o", self.dir / "a.binvox"]
-        process = subprocess.Popen(list(map(str, words)))
-        _, status, usage = os.wait4(process.pid, 0)
-        process.returncode = os.waitstatus_to_exitcode(status)
-        self.assertEqual(process.returncode, 0)
-        self.assertLess(usage.ru_maxrss / 1024, 200, "MB; a position for each voxel takes 768")
+        peak = self.peak_memory("voxelize", mesh, "--resolution", "400", "--set", "interior", "-o", self.dir / "a.binvox")
+        self.assertLess(peak / 2**20, 200, "MB; a position for each voxel takes 768")
         facts = json.loads(latvox("info", "--json", self.dir / "a.binvox").stdout)
         self.assertEqual((facts["voxels"], facts["shape"]), (400**3, [400] * 3))
 
     def test_memory_does_not_grow_with_the_box(self):
         outputs = [word for e in (".vti", ".nrrd", ".nii") for word in ("-o", self.dir / f"a{e}")]
-        words = [BIN / "latvox", "voxelize", BUNNY, "--resolution", "400", "--fields", "distance", "--quiet", *outputs]
-        process = subprocess.Popen(list(map(str, words)))
-        _, status, usage = os.wait4(process.pid, 0)
-        process.returncode = os.waitstatus_to_exitcode(status)
-        self.assertEqual(process.returncode, 0)
-        self.assertLess(usage.ru_maxrss * 1024, (self.dir / "a.nii").stat().st_size * 0.6)
+        peak = self.peak_memory("voxelize", BUNNY, "--resolution", "400", "--fields", "distance", *outputs)
+        self.assertLess(peak, (self.dir / "a.nii").stat().st_size * 0.6)
 
     def test_a_dense_npy_holds_one_field(self):
         for name in ("distance", "color"):

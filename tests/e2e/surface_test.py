@@ -103,6 +103,11 @@ class Surface(Case):
         self.assertGreater(again["voxels"], first["voxels"])
         self.assertTrue(again["certificate"]["closed"])
 
+    def test_memory_does_not_grow_with_the_surface(self):
+        path = self.dir / "a.glb"
+        peak = self.peak_memory("voxelize", BUNNY, "--resolution", "512", "-o", path)
+        self.assertLess(peak, path.stat().st_size * 0.6)
+
 
 if __name__ == "__main__":
     unittest.main()
