@@ -45,6 +45,10 @@ class CandidateParts {
     } while (end < triangles_.size() && !context.stop.Stopped());
   }
 
+  // Whether a single part has been kept; then its size.
+  bool IsWhole() const { return kept_; }
+  size_t size() const { return candidates_.size(); }
+
   size_t Bytes() const { return candidates_.Bytes(); }
 
  private:

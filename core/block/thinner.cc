@@ -33,34 +33,51 @@ bool Thinner::Thin(const TileContext& context, const ScannedSurface& scanned) {
   return decided;
 }
 
-// The triangles at hand decide on the voxels that FindUndecided leaves. Triangles beyond the border seldom matter.
+// The triangles at hand decide on the voxels that FindUndecided leaves. Triangles beyond the border seldom matter, and
+// voxels at the border only where many voxels are doubtful.
 bool Thinner::Decide(const TileContext& context, const ScannedSurface& scanned) {
   // Where many triangles meet in few voxels, each step takes a while.
   if (!context.stop.Stopped()) FindUndecided(context, scanned);
-  links_.Reset(scanned.voxels.where().layout);
-  for (const ScanFrame& scan : context.frames) links_.AddDirection(scanned.voxels.where().layout, scan.frame.q);
-  if (!context.stop.Stopped()) Ask(context, scanned);
-  if (context.stop.Stopped()) return true;
-  std::vector<uint32_t> doubtful;
-  std::copy_if(list_.begin(), list_.end(), std::back_inserter(doubtful),
-               [&](uint32_t n) { return undecided_.Test(n); });
   const BlockBox& where = scanned.voxels.where();
+  links_.Reset(where.layout);
+  for (const ScanFrame& scan : context.frames) links_.AddDirection(where.layout, scan.frame.q);
+  // Pairs that wait take memory. Where few voxels are undecided, their links rule most of them out at once.
+  constexpr size_t kMany = 16;
+  in_passes_ = scanned.candidates.IsWhole() && list_.size() * kMany > scanned.candidates.size();
   const IndexBox known = where.Shrunk(context.reach * 2);
-  TileBits& surface = scanned.voxels.bits();
-  bool decided = latvox::Thin(where.layout, doubtful, undecided_, links_, known, where.wanted, surface, context.stop);
-  if (!decided) {
-    // The links of voxels inside `known` are known, and most voxels are there: they are not asked again.
-    for (const uint32_t voxel : doubtful) {
-      if (known.Contains(where.layout.VoxelAt(voxel))) undecided_.Clear(voxel);
+  bool decided = false;
+  if (!in_passes_) {
+    if (!context.stop.Stopped()) Ask(context, scanned);
+    UpdateList();
+    decided = Pass(context, scanned, known);
+  }
+  if (!decided && !context.stop.Stopped()) {
+    const std::vector<uint32_t> doubtful = list_;
+    if (!in_passes_) {
+      // The links of voxels inside `known` are known, and most voxels are there: they are not asked again.
+      for (const uint32_t voxel : doubtful) {
+        if (known.Contains(where.layout.VoxelAt(voxel))) undecided_.Clear(voxel);
+      }
     }
     AddBorder(context, scanned.voxels, doubtful);
     Ask(context, scanned);
-    for (const uint32_t voxel : doubtful) undecided_.Set(voxel);
-    list_.insert(list_.end(), doubtful.begin(), doubtful.end());
-    decided = latvox::Thin(where.layout, doubtful, undecided_, links_, where.box, where.wanted, surface, context.stop);
+    if (!in_passes_) {
+      for (const uint32_t voxel : doubtful) undecided_.Set(voxel);
+      list_.insert(list_.end(), doubtful.begin(), doubtful.end());
+    }
+    decided = Pass(context, scanned, where.Shrunk(context.reach));
   }
   for (const uint32_t voxel : list_) undecided_.Clear(voxel);
-  return decided;
+  for (std::vector<VoxelTriangle>& pairs : waiting_) pairs.clear();
+  return decided || context.stop.Stopped();
+}
+
+// Decides on the voxels of list_, as far as the known links allow.
+bool Thinner::Pass(const TileContext& context, const ScannedSurface& scanned, const IndexBox& known) {
+  const BlockBox& where = scanned.voxels.where();
+  const auto ask = [&](uint32_t parity) { AskPairs(context, scanned.voxels, waiting_[parity]); };
+  return latvox::Thin(where.layout, list_, undecided_, links_, ask, known, where.wanted, scanned.voxels.bits(),
+                      context.stop);
 }
 
 // A link with its farther end outside of the surface shows its nearer end essential. The links at hand, along principal
@@ -143,16 +160,16 @@ void Thinner::Ask(const TileContext& context, const ScannedSurface& scanned) {
 
 // Voxels that one list's triangles prove essential spare those of the next list.
 void Thinner::AskCandidates(const TileContext& context, BlockVoxels& voxels, const Candidates& candidates) {
-  if (FindPairsByBoxes(voxels.where(), candidates)) return AskPairs(context, voxels);
+  if (FindPairsByBoxes(voxels.where(), candidates)) return AskInTime(context, voxels);
   FindInUndecided(candidates.nearer);
   for (const uint32_t n : memory_.positions.view()) {
     if (IsOutside(voxels, candidates.farther[n] & kNumberMask)) undecided_.Clear(candidates.nearer[n] & kNumberMask);
   }
   FindPairs(candidates, candidates.nearer, memory_.positions, &Candidates::Run::crossed_end, memory_.pairs);
-  AskPairs(context, voxels);
+  AskInTime(context, voxels);
   FindInUndecided(candidates.rim);
   FindPairs(candidates, candidates.rim, memory_.positions, &Candidates::Run::rim_end, memory_.pairs);
-  AskPairs(context, voxels);
+  AskInTime(context, voxels);
 }
 
 // Finds pairs of undecided voxels by the triangles' boxes, if that seems cheaper than a search for the voxels among all
@@ -185,24 +202,30 @@ void Thinner::FindInUndecided(const NumberList& voxels) {
   undecided_.FindFew(voxels.view(), list_, memory_.positions);
 }
 
+// Asks the pairs in memory_ now, or has them wait for the pass of their voxel.
+void Thinner::AskInTime(const TileContext& context, BlockVoxels& voxels) {
+  if (!in_passes_) return AskPairs(context, voxels, memory_.pairs);
+  const BitsLayout& layout = voxels.where().layout;
+  for (const VoxelTriangle& pair : memory_.pairs) waiting_[layout.ParityClass(pair.voxel)].push_back(pair);
+}
+
 // Asks the triangles of pairs whose voxels are undecided when their turn comes. Once all links of a voxel are known,
 // they all end in the surface, and no further triangle matters: that spares most questions where triangles fill a
 // volume.
-void Thinner::AskPairs(const TileContext& context, BlockVoxels& voxels) {
+void Thinner::AskPairs(const TileContext& context, BlockVoxels& voxels, std::span<const VoxelTriangle> pairs) {
   const BlockBox& where = voxels.where();
   const TileBits& surface = voxels.bits();
   const auto is_open = [this](uint32_t voxel) { return undecided_.Test(voxel) && !links_.IsFull(voxel); };
-  ForEachStar(context, where.layout, memory_.pairs, is_open, [&](uint32_t z, const StarLinks& star) {
-    for (uint32_t bits = CrossedLinks::BitsOf(star.nearer, star.forward) & ~links_.Get(z); bits != 0;
-         bits &= bits - 1) {
-      const auto bit = static_cast<size_t>(std::countr_zero(bits));
-      const uint32_t end = links_.EndOf(z, bit);
+  ForEachStar(context, where.layout, pairs, is_open, [&](uint32_t z, const StarLinks& star) {
+    uint32_t& links = links_.At(z);
+    for (uint32_t bits = CrossedLinks::BitsOf(star.nearer, star.forward) & ~links; bits != 0; bits &= bits - 1) {
+      const uint32_t end = links_.EndOf(z, static_cast<size_t>(std::countr_zero(bits)));
       if (!surface.Test(end)) {
         if (!where.box.Contains(where.layout.VoxelAt(end))) continue;  // beyond, nothing is known
         undecided_.Clear(z);
         break;
       }
-      if (undecided_.Test(end)) links_.Add(z, bit);
+      links |= bits & -bits;
     }
   });
 }
@@ -237,6 +260,7 @@ void Thinner::AddBorder(const TileContext& context, BlockVoxels& voxels, std::sp
 size_t Thinner::Bytes() const {
   size_t bytes = undecided_.Bytes() + BytesOf(list_) + essential_.Bytes() + inside_.Bytes() + outward_.Bytes();
   bytes += inner_.Bytes();
+  for (const std::vector<VoxelTriangle>& pairs : waiting_) bytes += BytesOf(pairs);
   return bytes + links_.Bytes();
 }
 

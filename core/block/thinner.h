@@ -2,6 +2,7 @@
 #ifndef LATVOX_CORE_BLOCK_THINNER_H_
 #define LATVOX_CORE_BLOCK_THINNER_H_
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -22,8 +23,9 @@ namespace latvox {
 // these voxels, and only there, for all their links.
 //
 // The result is exact, because a link only ever shows a voxel essential. A voxel leaves the undecided ones only for a
-// known link with its farther end outside of the surface. The others keep all their links, and Thin decides on them. It
-// reuses the memory of one node for the next.
+// known link with its farther end outside of the surface. The others keep all their links, and Thin decides on them.
+// Where many voxels are undecided, they are asked when their pass comes. By then, neighbors that left have shown many
+// of them essential. It reuses the memory of one node for the next.
 class Thinner {
  public:
   // Removes redundant voxels; returns whether that was decided for the whole node. See Thin.
@@ -34,13 +36,15 @@ class Thinner {
 
  private:
   bool Decide(const TileContext& context, const ScannedSurface& scanned);
+  bool Pass(const TileContext& context, const ScannedSurface& scanned, const IndexBox& known);
   void FindUndecided(const TileContext& context, const ScannedSurface& scanned);
   void FindInnerAndEssential(const TileContext& context, const ScannedSurface& scanned);
   void AddInner(const Crossings& some, const TileBits& bits, bool in_set);
   void Ask(const TileContext& context, const ScannedSurface& scanned);
   void AskCandidates(const TileContext& context, BlockVoxels& voxels, const Candidates& candidates);
   bool FindPairsByBoxes(const BlockBox& where, const Candidates& candidates);
-  void AskPairs(const TileContext& context, BlockVoxels& voxels);
+  void AskInTime(const TileContext& context, BlockVoxels& voxels);
+  void AskPairs(const TileContext& context, BlockVoxels& voxels, std::span<const VoxelTriangle> pairs);
   void UpdateList();
   void FindInUndecided(const NumberList& voxels);
   void AddBorder(const TileContext& context, BlockVoxels& voxels, std::span<const uint32_t> members);
@@ -52,7 +56,9 @@ class Thinner {
   NumberList outward_;          // the nearer ends of other links
   Crossings inner_;             // links of tiny triangles, from voxels that are undecided or may become so
   PairMemory memory_;           // borrowed from the scan during Thin
-  CrossedLinks links_;          // between members of undecided_
+  CrossedLinks links_;          // from members of undecided_
+  bool in_passes_ = false;      // whether pairs wait for the passes of their voxels
+  std::array<std::vector<VoxelTriangle>, kParityClasses> waiting_;  // by the parity classes of their voxels
 };
 
 }  // namespace latvox

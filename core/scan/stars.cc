@@ -14,6 +14,7 @@
 #include <limits>
 
 #include "core/digitize/star.h"
+#include "core/scan/positions-inl.h"
 #include "core/triangles/padded_vertices.h"
 #include "core/triangles/triangle_lanes-inl.h"
 
@@ -318,11 +319,10 @@ void FindInLanes(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames, 
   for (; !pairs.empty(); pairs = pairs.subspan(std::min(kAtOnce, pairs.size()))) {
     const size_t count = std::min(kAtOnce, pairs.size());
     // All voxels come first, because numbers written one by one cannot be read as a vector at once.
-    int32_t voxels[3][kAtOnce];
+    int32_t voxels[kAtOnce];
     for (size_t n = 0; n < count; ++n) {
       hwy::Prefetch(&mesh.triangles[pairs[n].triangle]);
-      const Vec3i z = layout.VoxelAt(pairs[n].voxel) * kLatticeUnit;
-      for (size_t m = 0; m < 3; ++m) voxels[m][n] = z[m];
+      voxels[n] = static_cast<int32_t>(pairs[n].voxel);
     }
     std::array<uint32_t, 3> corners[kAtOnce];
     for (size_t n = 0; n < count; ++n) {
@@ -330,17 +330,18 @@ void FindInLanes(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames, 
       for (const uint32_t vertex : corners[n]) hwy::Prefetch(vertices[vertex]);
     }
     std::fill(corners + count, std::end(corners), corners[0]);
-    for (auto& of_axis : voxels) std::fill(of_axis + count, std::end(of_axis), of_axis[0]);
+    std::fill(voxels + count, std::end(voxels), voxels[0]);
     Pairs these;
     uint64_t open = 0, far = 0;
     for (size_t first = 0; first < count; first += kTriangleLanes) {
       const Lanes d;
       std::array<Ints3, 3> v =
           LoadCorners([&](size_t c, size_t n) HWY_ATTR { return vertices[corners[first + n][c]]; });
+      const Ints3 z = PositionsOf(layout, hn::LoadU(d, voxels + first));
       Ints farthest = hn::Zero(d);
       for (size_t c = 0; c < 3; ++c) {
         for (size_t m = 0; m < 3; ++m) {
-          v[c][m] = hn::Sub(v[c][m], hn::LoadU(d, voxels[m] + first));
+          v[c][m] = hn::Sub(v[c][m], z[m]);
           hn::Store(v[c][m], d, these.corners[c][m] + first);
           farthest = hn::Max(farthest, hn::Abs(v[c][m]));
         }

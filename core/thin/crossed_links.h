@@ -15,14 +15,14 @@
 
 namespace latvox {
 
-// Stores each link at both of its ends: a word of bits for each voxel. However often a link is added, and however many
+// Stores each link at its nearer end: a word of bits for each voxel. However often a link is added, and however many
 // meet, it takes 4 bytes for each voxel of a row of 32 that has any.
 class CrossedLinks {
  public:
   // The bits of a voxel: bit n stands for the link to voxel - q, kForward + n for the link to voxel + q, with q the
-  // n-th direction. The other bits are marks, for Thin.
+  // n-th direction. The last bit is a mark, for Thin.
   static constexpr size_t kForward = 15;
-  static constexpr uint32_t kLinks = (uint32_t{1} << 30) - 1, kListed = uint32_t{1} << 30, kUnsure = uint32_t{1} << 31;
+  static constexpr uint32_t kLinks = (uint32_t{1} << 2 * kForward) - 1, kUnsure = uint32_t{1} << 31;
   static_assert(kMaxPairs <= kForward);
 
   // Makes it empty, for voxels of this layout.
@@ -50,16 +50,15 @@ class CrossedLinks {
   // Returns the other end of the link that a bit of the voxel stands for.
   uint32_t EndOf(uint32_t voxel, size_t bit) const { return voxel + static_cast<uint32_t>(steps_[bit].number); }
 
-  // Adds the link that a bit of the voxel stands for.
-  void Add(uint32_t voxel, size_t bit) {
-    At(voxel) |= uint32_t{1} << bit;
-    At(EndOf(voxel, bit)) |= uint32_t{1} << (bit < kForward ? bit + kForward : bit - kForward);
-  }
-  // Adds the link between two neighbors.
+  // Adds the link from a voxel to a neighbor.
   void AddBetween(uint32_t voxel, uint32_t other) {
     size_t n = 0;
     while (EndOf(voxel, n) != other && EndOf(voxel, kForward + n) != other) ++n;
-    Add(voxel, EndOf(voxel, n) == other ? n : kForward + n);
+    At(voxel) |= uint32_t{1} << (EndOf(voxel, n) == other ? n : kForward + n);
+  }
+  // Removes all marks.
+  void ClearMarks() {
+    for (uint32_t& word : words_) word &= kLinks;
   }
 
   // Whether all links of a voxel are in the set.
@@ -67,8 +66,6 @@ class CrossedLinks {
 
   size_t Bytes() const { return BytesOf(rows_) + BytesOf(words_) + BytesOf(touched_); }
 
-  // Prefetches the entry that At reads first.
-  void Prefetch(uint32_t voxel) const { __builtin_prefetch(&rows_[voxel / kRow]); }
   // Returns a voxel's bits.
   uint32_t Get(uint32_t voxel) const { return words_[rows_[voxel / kRow] * kRow + voxel % kRow]; }
   // Returns a voxel's bits, to be changed.
@@ -99,6 +96,11 @@ class CrossedLinks {
       if (f(EndOf(voxel, static_cast<size_t>(std::countr_zero(bits))))) return true;
     }
     return false;
+  }
+  // Calls f(other) with the other ends of these links of a voxel.
+  template <class F>
+  void ForEach(uint32_t voxel, uint32_t bits, F&& f) const {
+    for (bits &= kLinks; bits != 0; bits &= bits - 1) f(EndOf(voxel, static_cast<size_t>(std::countr_zero(bits))));
   }
 
  private:

@@ -8,13 +8,20 @@
 // shrinks. So after eight passes the set is k-minimal, and still covers every link.
 //
 // Only voxels that are redundant before the first pass can ever be removed, the doubtful ones. They are few (about 1 %
-// on smooth surfaces). Other voxels stay. So only the crossed links between two doubtful voxels decide.
+// on smooth surfaces), but two thirds of designed parts with thin walls. So the links of a voxel may wait until its
+// pass. A voxel that leaves shows the other ends of its links essential, and their links need not be known at all. That
+// is why only links from the nearer end are needed. A pass sees every link between two doubtful voxels from one end or
+// the other:
+//
+// - The nearer end leaves first: it keeps the farther end.
+// - The farther end leaves first: the nearer end, in its own pass, has a link that leads out of the set.
 #ifndef LATVOX_CORE_THIN_THIN_H_
 #define LATVOX_CORE_THIN_THIN_H_
 
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 
 #include "core/base/stop_signal.h"
@@ -27,16 +34,18 @@ namespace latvox {
 // Thins `set` in place and returns true, if that can be decided for all voxels in `wanted`; otherwise leaves it as it
 // was. It can always be decided if `known` exceeds `wanted` by kThinHalo steps, because a voxel's fate depends only on
 // voxels at most eight steps away.
-//   doubtful  the members for which all crossed links with them as the nearer end are known, and all of these links
-//             have their other end inside; each once, in any order
-//   doubted   these, and other voxels that may be doubtful; all others stay, or do not matter to `wanted` (MayMatter)
-//   links     all crossed links between two doubtful voxels; within `known`, also those between a doubtful voxel and
-//             one that may be doubtful; others do no harm. Marks of doubtful voxels are set
-//   known     local voxels; doubtful ones outside may have further links
-//   wanted    local voxels, within `known`; `doubtful` has all of these that may be doubtful
+//   members  all voxels of `doubted`, each once, in any order; others do no harm
+//   doubted  members of the set that may be doubtful. All others stay, or do not matter to `wanted` (MayMatter). Voxels
+//            that prove essential leave it
+//   links    crossed links with a member as the nearer end. Marks of members are set
+//   ask      called with each parity class before its pass. Then adds all links of the doubted voxels of this class, or
+//            removes those from `doubted` that have a link out of the set
+//   known    local voxels; members outside may have further links, or doubtful neighbors that are no members
+//   wanted   local voxels, within `known`
 // Once cancelled, it returns true soon, with a meaningless set.
-bool Thin(const BitsLayout& layout, std::span<const uint32_t> doubtful, const TileBits& doubted, CrossedLinks& links,
-          const IndexBox& known, const IndexBox& wanted, TileBits& set, StopSignal stop = {});
+bool Thin(const BitsLayout& layout, std::span<const uint32_t> members, TileBits& doubted, CrossedLinks& links,
+          const std::function<void(uint32_t parity)>& ask, const IndexBox& known, const IndexBox& wanted, TileBits& set,
+          StopSignal stop = {});
 
 // See Thin.
 inline constexpr int32_t kThinHalo = kParityClasses;

@@ -47,7 +47,11 @@ struct BitsLayout {
   static uint32_t ParityClass(const Vec3i& ijk) {
     return static_cast<uint32_t>((ijk[0] & 1) << 2 | (ijk[1] & 1) << 1 | (ijk[2] & 1));
   }
-  uint32_t ParityClass(uint32_t number) const { return ParityClass(VoxelAt(number)); }
+  // The origin, the sides and the strides are even, so the indices in the box have the parities of the coordinates.
+  uint32_t ParityClass(uint32_t number) const {
+    const uint32_t i = Quotient(number, reciprocal[0]), row = Quotient(number, reciprocal[1]);
+    return (i & 1) << 2 | (row & 1) << 1 | (number & 1);
+  }
   // floor(n / d), where reciprocal = 2^44/d + e, 0 < e <= 1: the error n * e / 2^44 is less than 1/d if n * d < 2^44.
   static uint32_t Quotient(uint32_t n, uint64_t reciprocal) { return static_cast<uint32_t>(n * reciprocal >> 44); }
   // The number of 32-bit words. There are a few more, so that any voxel's bit and the 63 after it can be read.

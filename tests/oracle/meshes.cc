@@ -33,6 +33,7 @@ class Builder {
     Tiny();
     NonManifold();
     Soups();
+    Walls();
     return std::move(meshes_);
   }
 
@@ -329,6 +330,29 @@ class Builder {
           {corner + random_.Point(700, 4), corner + random_.Point(700, 4), corner + random_.Point(700, 4)});
     }
     Add("soup/negative", negative, false);
+  }
+
+  // Three layers, flat or sheared, so that most voxels are doubtful. Coplanar triangles meet at ties, each layer is
+  // split elsewhere, the second is reversed, and a coarse quad covers the first again.
+  void Walls() {
+    for (int64_t gap : {kHalf, kUnitsPerVoxel, int64_t{300}}) {
+      for (size_t up = 0; up < 3; ++up) {
+        Int3 across{}, along{}, apart{};
+        across[(up + 1) % 3] = along[(up + 2) % 3] = 4 * kUnitsPerVoxel;
+        apart[up] = -gap;
+        Mesh wall = Sheet(up, 0, 1, -gap);
+        Append(wall, Reversed(Sheet(up, 0, 1, 0)));
+        Append(wall, Sheet(up, 0, 1, gap));
+        Append(wall, Quad(apart, apart + across, apart + across + along, apart + along));
+        const std::string suffix = std::to_string(gap) + "_up" + std::to_string(up);
+        Add("walls/flat" + suffix, wall, false);
+        const auto shear = [&](Int3 v) {
+          v[up] += v[(up + 1) % 3] / 2;
+          return v;
+        };
+        Add("walls/sheared" + suffix, Moved(wall, shear), false);
+      }
+    }
   }
 
   Random random_;
