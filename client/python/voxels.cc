@@ -10,6 +10,7 @@
 #include "client/python/work.h"
 #include "client/tool/cli/remote_files.h"
 #include "client/tool/output/box_shape.h"
+#include "client/tool/output/field_columns.h"
 #include "client/tool/vdb/vdb.h"
 #include "latvox/dense.h"
 #include "latvox/for_each_voxel.h"
@@ -19,10 +20,8 @@ namespace {
 
 namespace py = pybind11;
 
-py::dtype TypeOf(Field field) {
-  constexpr const char* kTypes[] = {"u1", "<u2", "<u4", "<f4"};  // in the order of NumberType
-  return py::dtype(kTypes[static_cast<size_t>(FactsOf(field).type)]);
-}
+// The type that files have, in which -1 means "none".
+py::dtype TypeOf(Field field) { return py::dtype(NumpyTypeOf(FactsOf(field).type)); }
 
 // Whether an array has an axis of components: also for a single label, so that programs work for any number of them.
 bool HasColumns(const FieldValues& values) { return values.components() != 1 || FactsOf(values.field).is_of_labels(); }

@@ -19,7 +19,7 @@ def bunny():
 
 def test_arrays_have_stated_types_and_shapes(bunny):
     n = len(bunny)
-    shapes = {"part": (np.uint32, (n,)), "distance": (np.float32, (n,)), "triangle": (np.uint32, (n,)),
+    shapes = {"part": (np.int32, (n,)), "distance": (np.float32, (n,)), "triangle": (np.int32, (n,)),
               "point": (np.float32, (n, 2)), "normal": (np.float32, (n, 3))}  # fmt: skip
     assert bunny.fields == FIELDS
     for name, (dtype, shape) in shapes.items():
@@ -78,7 +78,7 @@ def test_dense_equals_the_tools(tool):
     assert data.dtype == bool and np.array_equal(data, file["data"])
     assert np.array_equal(low, file["index_min"]) and np.array_equal(affine, file["affine"])
     part = v.dense("part")
-    assert part.data.dtype == np.uint32 and np.array_equal(part.data[data], file["part"][data])
+    assert part.data.dtype == np.int32 and np.array_equal(part.data[data], file["part"][data])
     low, high = v.index_box
     assert np.array_equal(high - low, data.shape)
 
@@ -101,11 +101,16 @@ def test_dense_of_a_box():
         v.dense("part")
 
 
-def test_links_have_a_column_for_each_neighbor():
-    v = latvox.voxelize(MESH, resolution=10, set="links", fields=["links", "link_triangles"])
+def test_links_have_a_column_for_each_neighbor(tmp_path):
+    fields = ["links", "link_triangles", "link_crossings"]
+    v = latvox.voxelize(MESH, resolution=10, set="links", fields=fields)
     assert v.neighbors.shape == (26, 3)
-    assert v["links"].shape == v["link_triangles"].shape == (len(v), 26)
-    assert (np.isnan(v["links"]) == (v["link_triangles"] == 2**32 - 1)).all() and not np.isnan(v["links"]).all()
+    assert all(v[field].shape == (len(v), 26) for field in fields)
+    assert (np.isnan(v["links"]) == (v["link_triangles"] == -1)).all() and not np.isnan(v["links"]).all()
+    v.save(tmp_path / "v.npz")
+    file = np.load(tmp_path / "v.npz")
+    for field in fields:
+        assert v[field].dtype == file[field].dtype and np.array_equal(v[field], file[field], equal_nan=field == "links")
 
 
 def test_fractions_have_a_column_for_each_label(tmp_path):

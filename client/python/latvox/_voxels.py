@@ -68,9 +68,10 @@ class Bricks:
     def __getitem__(self, field: str) -> np.ndarray:
         """Returns the values of a field, (n,) or (n, components), in the order of ijk. A view of the answer's memory.
 
-        part, material, triangle: uint32. color: (n, 3) uint8. distance: float32. point: (n, 2) float32. normal: (n, 3)
+        part, material, triangle: int32. color: (n, 3) uint8. distance: float32. point: (n, 2) float32. normal: (n, 3)
         float32. fraction: uint16; label_fractions: (n, len(fraction_labels)) uint16. links: (n, len(neighbors))
-        float32, and likewise link_triangles and link_crossings.
+        float32; link_triangles, link_crossings: (n, len(neighbors)) int32. Links that the mesh does not cross have NaN,
+        -1 and 0.
         """
         return self._voxels.field(field)
 
