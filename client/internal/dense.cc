@@ -59,7 +59,8 @@ absl::StatusOr<DenseVoxels> Shaped(const IndexBox& box, uint64_t most_points) {
 FieldValues Empty(const FieldValues& like, size_t points) {
   FieldValues values{like.field, {}, like.neighbors, like.labels};
   const FieldFacts& facts = FactsOf(like.field);
-  values.bytes.resize(points * values.bytes_of_voxel());
+  const bool is_number = facts.type == NumberType::kUint32;
+  values.bytes.resize(points * values.bytes_of_voxel(), is_number ? std::byte{0xFF} : std::byte{0});
   if (facts.type != NumberType::kFloat32) return values;
   auto* const numbers = reinterpret_cast<float*>(values.bytes.data());
   std::fill_n(numbers, points * values.components(), std::numeric_limits<float>::quiet_NaN());

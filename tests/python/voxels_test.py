@@ -77,10 +77,24 @@ def test_dense_equals_the_tools(tool):
     data, low, affine = v.dense()
     assert data.dtype == bool and np.array_equal(data, file["data"])
     assert np.array_equal(low, file["index_min"]) and np.array_equal(affine, file["affine"])
-    part = v.dense("part")
-    assert part.data.dtype == np.int32 and np.array_equal(part.data[data], file["part"][data])
     low, high = v.index_box
     assert np.array_equal(high - low, data.shape)
+
+
+def test_dense_fields_equal_those_of_a_npz(tmp_path):
+    paths = [write_obj(tmp_path / f"{n}.obj", octahedron(size)) for n, size in enumerate((1, 0.5))]
+    fields = ["part", "distance", "triangle", "point", "normal", "fraction:3", "label_fractions:3"]
+    v = latvox.voxelize(paths, voxel_size=0.1, set="supercover-solid", labels="part", fields=fields)
+    v.save(tmp_path / "v.npz")
+    file = np.load(tmp_path / "v.npz")
+    for field in v.fields:
+        data = v.dense(field).data
+        if field == "label_fractions":
+            expected = np.stack([file[f"fraction_{label}"] for label in v.fraction_labels], axis=-1)
+        else:
+            expected = file[field]
+        assert data.dtype == expected.dtype and np.array_equal(data, expected, equal_nan=data.dtype == np.float32), field
+    assert set(np.unique(v.dense("part").data)) == {-1, 0, 1}
 
 
 def test_dense_of_a_box():

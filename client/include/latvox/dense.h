@@ -25,8 +25,8 @@ struct DenseVoxels {
   std::array<size_t, 3> shape{};     // the number of points along i, j and k
   std::array<size_t, 3> strides{};   // the elements from one point to the next along i, j and k
   std::vector<uint8_t> voxels = {};  // 1 for a voxel, 0 for another point
-  // The fields that voxels carry: FieldValues::components numbers for each point. Where there is no voxel, they are NaN
-  // if they are floats, otherwise 0. Component c at element n is As<T>()[n * components + c].
+  // The fields that voxels carry: FieldValues::components numbers for each point. Where there is no voxel, floats are
+  // NaN, integers of 32 bits 4294967295, and others 0. Component c at element n is As<T>()[n * components + c].
   std::vector<FieldValues> fields = {};
 
   // Returns the element of a lattice point. Precondition: the box contains the point.

@@ -166,7 +166,8 @@ class Voxels(Bricks):
     ) -> Dense:
         """Returns an array with an element for each lattice point.
 
-        field: the field whose values it has; between the voxels they are NaN or 0. None: True for voxels.
+        field: the field whose values it has. Where there is no voxel, they are those of a .npz: float32 is NaN, int32
+            is -1, and others are 0. None: True for voxels.
         box: (low, high), two lattice points: low <= ijk < high. None: index_box, with the call's dims and pad.
 
         Errors: InvalidArgument if the voxels do not fit into dims, or for more than 2**30 points.

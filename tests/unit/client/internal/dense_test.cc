@@ -83,7 +83,7 @@ TEST(Dense, HasFieldsAtVoxels) {
   const auto parts = dense->fields[1].As<uint32_t>();
   ASSERT_EQ(parts.size(), 720U);
   EXPECT_EQ(parts[dense->IndexOf({1, 0, 7})], 40U);
-  EXPECT_EQ(parts[dense->IndexOf({0, 0, 7})], 0U);
+  EXPECT_EQ(parts[dense->IndexOf({0, 0, 7})], 0xFFFFFFFF);
 }
 
 TEST(Dense, LeavesOutVoxelsOutsideOfTheBox) {
@@ -91,7 +91,7 @@ TEST(Dense, LeavesOutVoxelsOutsideOfTheBox) {
   ASSERT_TRUE(dense.ok()) << dense.status();
   EXPECT_THAT(dense->voxels, ElementsAre(1, 0));
   EXPECT_EQ(dense->fields[0].As<float>()[0], 0);
-  EXPECT_THAT(dense->fields[1].As<uint32_t>(), ElementsAre(30, 0));
+  EXPECT_THAT(dense->fields[1].As<uint32_t>(), ElementsAre(30, 0xFFFFFFFF));
 }
 
 TEST(Dense, OfNothingIsEmpty) {
