@@ -41,9 +41,11 @@ bool Thinner::Decide(const TileContext& context, const ScannedSurface& scanned) 
   const BlockBox& where = scanned.voxels.where();
   links_.Reset(where.layout);
   for (const ScanFrame& scan : context.frames) links_.AddDirection(where.layout, scan.frame.q);
-  // Pairs that wait take memory. Where few voxels are undecided, their links rule most of them out at once.
+  // Pairs that wait take memory. Where few voxels are undecided, their links rule most of them out at once. Links of
+  // tiny triangles are known, and those of the border cost more than they spare.
   constexpr size_t kMany = 16;
-  in_passes_ = scanned.candidates.IsWhole() && list_.size() * kMany > scanned.candidates.size();
+  in_passes_ =
+      context.links.empty() && scanned.candidates.IsWhole() && list_.size() * kMany > scanned.candidates.size();
   const IndexBox known = where.Shrunk(context.reach * 2);
   bool decided = false;
   if (!in_passes_) {
