@@ -49,7 +49,7 @@ void NearNumbers::Begin(const SnappedMesh& mesh, const FieldPlan& plan, std::spa
 
 // Neighbors in the list of triangles mostly are of one kind.
 uint8_t NearNumbers::KindOf(const std::array<uint32_t, 3>& corners) {
-  const auto [a, b, c] = corners;
+  const uint32_t a = corners[0], b = corners[1], c = corners[2];
   if (!AreEqual(a, b) || !AreEqual(a, c)) return last_kind_ = kMixed;
   if (last_kind_ != kMixed && AreEqual(a, kinds_[last_kind_ - size_t{1}])) return last_kind_;
   const auto known = std::ranges::find_if(kinds_, [&](uint32_t vertex) { return AreEqual(a, vertex); });
