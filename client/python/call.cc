@@ -87,7 +87,8 @@ Call::Call(const Connection& connection, const py::object& mesh, const py::dict&
     const py::tuple arrays = mesh;
     std::vector<py::array> faces;
     for (const py::handle one : arrays[1]) faces.push_back(one.cast<py::array>());
-    Mesh copied = Checked(MeshOfArrays(arrays[0].cast<py::array>(), faces, arrays[2].cast<py::array>()));
+    Mesh copied = Checked(MeshOfArrays(arrays[0].cast<py::array>(), faces, arrays[2].cast<py::array>(),
+                                       {.skip_bad = options_.mesh.skip_bad}));
     read_mesh_ = ReaderOf(std::move(copied), options_.mesh);
   }
   work_.reset(new Work([this](Work& work) { return Voxelize(work); }));

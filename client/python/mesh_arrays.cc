@@ -1,5 +1,6 @@
 #include "client/python/mesh_arrays.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -9,6 +10,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "client/mesh_files/bad_elements.h"
 #include "client/mesh_files/polygon.h"
 #include "latvox/error.h"
 
@@ -20,9 +22,10 @@ namespace py = pybind11;
 constexpr int kInOrder = py::array::c_style | py::array::forcecast;
 
 template <class... Parts>
-absl::Status Wrong(const std::string& field, const Parts&... parts) {
+absl::Status Wrong(const std::string& field, const std::string& value, const std::string& limit,
+                   const Parts&... parts) {
   absl::Status status = absl::InvalidArgumentError(absl::StrCat(field, parts...));
-  SetErrorDetails({"BAD_MESH", field, "", "", std::nullopt}, status);
+  SetErrorDetails({"BAD_MESH", field, value, limit, std::nullopt}, status);
   return status;
 }
 
@@ -35,46 +38,64 @@ bool IsTable(const py::array& array, const char* kinds) {
   return array.ndim() == 2 && std::strchr(kinds, array.dtype().kind()) != nullptr;
 }
 
-std::string KindOf(const py::array& array) {
-  return absl::StrCat(": an array of shape ", ShapeOf(array), " and type ", std::string(py::str(array.dtype())));
+// Returns the error of an array whose shape or type is not the wanted one.
+absl::Status WrongKind(const std::string& field, const py::array& given, const std::string& wanted) {
+  const std::string kind =
+      absl::StrCat("an array of shape ", ShapeOf(given), " and type ", std::string(py::str(given.dtype())));
+  return Wrong(field, kind, wanted, ": ", kind, " is not ", wanted);
 }
 
-absl::Status AddPositions(const py::array& given, Mesh& mesh) {
-  if (!IsTable(given, "fiu") || given.shape(1) != 3) {
-    return Wrong("vertices", KindOf(given), " is not (n, 3) numbers");
-  }
+absl::Status NotFinite(size_t vertex, const Vec3d& position) {
+  const double x = *std::find_if_not(position.begin(), position.end(), [](double one) { return std::isfinite(one); });
+  return Wrong("vertices", absl::StrCat(x), "finite numbers", "[", vertex, "]: ", x, " is not finite");
+}
+
+absl::Status AddPositions(const py::array& given, bool skip_bad, Mesh& mesh) {
+  if (!IsTable(given, "fiu") || given.shape(1) != 3) return WrongKind("vertices", given, "(n, 3) numbers");
   const auto vertices = py::array_t<double, kInOrder>::ensure(given);
   static_assert(sizeof(Vec3d) == 3 * sizeof(double));
   mesh.positions.resize(static_cast<size_t>(vertices.shape(0)));
   std::memcpy(mesh.positions.data(), vertices.data(), mesh.positions.size() * sizeof(Vec3d));
-  for (size_t v = 0; v < mesh.positions.size(); ++v) {
-    for (const double x : mesh.positions[v]) {
-      if (!std::isfinite(x)) return Wrong("vertices", "[", v, "]: ", x, " is not finite");
-    }
-  }
   if (mesh.positions.size() > std::numeric_limits<uint32_t>::max()) {
-    return Wrong("vertices", ": ", mesh.positions.size(), " exceed ", std::numeric_limits<uint32_t>::max());
+    const std::string count = absl::StrCat(mesh.positions.size()),
+                      most = absl::StrCat(std::numeric_limits<uint32_t>::max());
+    return Wrong("vertices", count, most, ": ", count, " exceed ", most);
+  }
+  const auto bad = std::find_if_not(mesh.positions.begin(), mesh.positions.end(), IsFinite);
+  if (skip_bad || bad == mesh.positions.end()) return absl::OkStatus();
+  return NotFinite(static_cast<size_t>(bad - mesh.positions.begin()), *bad);
+}
+
+// Returns the error of row `f`, whose indices may be out of range.
+absl::Status CheckFace(py::ssize_t f, const int64_t* indices, size_t corners, const Mesh& mesh) {
+  const size_t count = mesh.positions.size();
+  for (size_t n = 0; n < corners; ++n) {
+    const int64_t index = indices[n];
+    if (index < 0 || static_cast<uint64_t>(index) >= count) {
+      return Wrong("faces", absl::StrCat(index), absl::StrCat("0 to below ", count), "[", f, "]: index ", index,
+                   " is not within 0 and ", count, ", the number of vertices");
+    }
+    const Vec3d& position = mesh.positions[static_cast<size_t>(index)];
+    if (!IsFinite(position)) return NotFinite(static_cast<size_t>(index), position);
   }
   return absl::OkStatus();
 }
 
-absl::Status AddFaces(const py::array& given, Mesh& mesh) {
+absl::Status AddFaces(const py::array& given, BadElements& bad, Mesh& mesh) {
   if (!IsTable(given, "iu") || given.shape(1) < 3) {
-    return Wrong("faces", KindOf(given), " is not (m, 3) integers, or more of them in a row");
+    return WrongKind("faces", given, "(m, 3) integers, or more of them in a row");
   }
   const auto faces = py::array_t<int64_t, kInOrder>::ensure(given);
-  const size_t corners = static_cast<size_t>(faces.shape(1)), count = mesh.positions.size();
+  const auto corners = static_cast<size_t>(faces.shape(1));
   std::vector<uint32_t> face(corners);
   mesh.triangles.reserve(mesh.triangles.size() + static_cast<size_t>(faces.shape(0)) * (corners - 2));
   const int64_t* next = faces.data();
-  for (py::ssize_t f = 0; f < faces.shape(0); ++f) {
-    for (uint32_t& corner : face) {
-      const int64_t index = *next++;
-      if (index < 0 || static_cast<uint64_t>(index) >= count) {
-        return Wrong("faces", "[", f, "]: index ", index, " is not within 0 and ", count, ", the number of vertices");
-      }
-      corner = static_cast<uint32_t>(index);
+  for (py::ssize_t f = 0; f < faces.shape(0); ++f, next += corners) {
+    if (absl::Status wrong = CheckFace(f, next, corners, mesh); !wrong.ok()) {
+      if (absl::Status status = bad.Add(wrong, absl::StrCat("faces[", f, "]")); !status.ok()) return status;
+      continue;
     }
+    std::transform(next, next + corners, face.begin(), [](int64_t index) { return static_cast<uint32_t>(index); });
     if (corners == 3) {
       mesh.triangles.push_back({face[0], face[1], face[2]});
     } else {
@@ -87,7 +108,7 @@ absl::Status AddFaces(const py::array& given, Mesh& mesh) {
 absl::Status AddColors(const py::array& given, Mesh& mesh) {
   if (!IsTable(given, "u") || given.itemsize() != 1 || given.shape(1) != 3 ||
       (given.shape(0) != 0 && static_cast<size_t>(given.shape(0)) != mesh.positions.size())) {
-    return Wrong("colors", KindOf(given), " is not (", mesh.positions.size(), ", 3) uint8, one row for each vertex");
+    return WrongKind("colors", given, absl::StrCat("(", mesh.positions.size(), ", 3) uint8, one row for each vertex"));
   }
   const auto colors = py::array_t<uint8_t, kInOrder>::ensure(given);
   mesh.colors.resize(static_cast<size_t>(colors.shape(0)));
@@ -98,14 +119,17 @@ absl::Status AddColors(const py::array& given, Mesh& mesh) {
 }  // namespace
 
 absl::StatusOr<Mesh> MeshOfArrays(const py::array& vertices, const std::vector<py::array>& faces,
-                                  const py::array& colors) {
+                                  const py::array& colors, const ParseOptions& options) {
   Mesh mesh;
-  if (absl::Status status = AddPositions(vertices, mesh); !status.ok()) return status;
+  BadElements bad(options);
+  if (absl::Status status = AddPositions(vertices, options.skip_bad, mesh); !status.ok()) return status;
   for (const py::array& one : faces) {
-    if (absl::Status status = AddFaces(one, mesh); !status.ok()) return status;
+    if (absl::Status status = AddFaces(one, bad, mesh); !status.ok()) return status;
   }
-  if (mesh.triangles.empty()) return Wrong("faces", ": the mesh has none");
+  if (mesh.triangles.empty()) return Wrong("faces", "", "", ": the mesh has none");
   if (absl::Status status = AddColors(colors, mesh); !status.ok()) return status;
+  bad.Report(mesh);
+  RemoveNotFinite(mesh);
   return mesh;
 }
 

@@ -8,6 +8,7 @@
 
 #include "absl/status/statusor.h"
 #include "client/mesh/mesh.h"
+#include "client/mesh_files/parse_options.h"
 
 namespace latvox::client::python {
 
@@ -16,10 +17,11 @@ namespace latvox::client::python {
 //   vertices   (n, 3) numbers, world
 //   faces      each (m, k) integers, k >= 3: indices of vertices. Polygons are cut as those of files are
 //   colors     (n, 3) uint8: red, green, blue of each vertex; or (0, 3): there are none
-// Errors: INVALID_ARGUMENT naming array, row and limit: a shape or type of another kind, a number that is not finite,
-// an index out of range, no face.
+//   options    with skip_bad, faces are left out if an index is out of range or a corner is not finite
+// Errors: INVALID_ARGUMENT naming array, row, value and limit: a shape or type of another kind, a number that is not
+// finite, an index out of range, no face.
 absl::StatusOr<Mesh> MeshOfArrays(const pybind11::array& vertices, const std::vector<pybind11::array>& faces,
-                                  const pybind11::array& colors);
+                                  const pybind11::array& colors, const ParseOptions& options);
 
 }  // namespace latvox::client::python
 

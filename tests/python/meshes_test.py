@@ -222,7 +222,29 @@ POINTS = VERTICES.astype(float)
 def test_wrong_arrays_name_array_row_and_limit(vertices, faces, text):
     with pytest.raises(latvox.InvalidArgument, match=text) as caught:
         latvox.voxelize((vertices, faces), resolution=9)
-    assert caught.value.field in ("vertices", "faces")
+    error = caught.value
+    assert error.field in ("vertices", "faces") and error.reason == "BAD_MESH"
+    if "none" not in text:
+        assert error.value in str(error) and error.limit
+
+
+def test_skip_bad_leaves_out_what_it_leaves_out_of_files(tmp_path):
+    points = np.vstack([POINTS, [[np.nan, 0, 0], [0, np.inf, 0], [2, 2, 2]]])
+    faces = np.vstack([TRIANGLES[:4], [[0, 1, 6], [7, 1, 2]], TRIANGLES[4:], [[0, 1, 99], [-1, 0, 1]]])
+    with pytest.warns(latvox.VoxelizeWarning, match="4 broken elements are left out; the first: ") as caught:
+        v = latvox.voxelize((points, faces), skip_bad=True, fields="triangle", **OPTIONS)
+    (warning,) = [each.message for each in caught]
+    assert (warning.code, warning.element) == ("BAD_ELEMENTS", "faces[4]")
+    assert "vertices[6]: nan is not finite" in str(warning)
+    used = (np.vstack([POINTS, [[2, 2, 2]]]), TRIANGLES)  # the vertex that no face has stays
+    expected = latvox.voxelize(used, fields="triangle", **OPTIONS)
+    assert v.digest == expected.digest and np.array_equal(v["triangle"], expected["triangle"])
+    lines = ["v " + " ".join(map(str, p)) for p in points] + [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in faces[:-1]]
+    (tmp_path / "mesh.obj").write_text("\n".join(lines))
+    with pytest.warns(latvox.VoxelizeWarning, match="broken elements are left out"):
+        assert latvox.voxelize(tmp_path / "mesh.obj", skip_bad=True, **OPTIONS).digest == v.digest
+    with pytest.raises(latvox.InvalidArgument, match="faces: the mesh has none"):
+        latvox.voxelize((points, faces[-2:]), skip_bad=True)
 
 
 @pytest.mark.parametrize("mesh", [None, 5, [], (1, 2, 3), object(), b"mesh.obj"])
