@@ -168,15 +168,41 @@ def test_progress_grows_and_an_error_in_it_ends_the_call():
     latvox.voxelize(BUNNY, resolution=2500, progress=shares.append)
     assert shares and shares == sorted(shares) and 0 <= shares[0] and shares[-1] <= 1
 
-    with contextlib.redirect_stderr(io.StringIO()) as shown:
-        latvox.voxelize(BUNNY, resolution=2500, progress=True)
-    assert re.fullmatch(r"(\rlatvox: [ \d]+%)+\r +\r", shown.getvalue())
-
     def fail(share):
         raise LookupError(share)
 
     with pytest.raises(LookupError):
         latvox.voxelize(BUNNY, progress=fail, **LONG)
+
+
+class Terminal(io.StringIO):
+    def isatty(self):
+        return True
+
+
+@pytest.mark.parametrize(
+    ("kind", "expected"),
+    [
+        (io.StringIO, "".join(f"latvox: {percent:3d} %\n" for percent in range(10, 101, 10))),
+        (Terminal, "".join(f"\rlatvox: {percent:3d} %" for percent in range(1, 101)) + "\r\x1b[K"),
+    ],
+)
+def test_progress_is_shown_when_it_changes(kind, expected):
+    with contextlib.redirect_stderr(kind()) as stream:
+        shown = latvox._calls._Shown()
+        for thousandth in range(1001):
+            for _ in range(3):
+                shown(thousandth / 1000)
+        shown.end()
+    assert stream.getvalue() == expected
+
+
+def test_a_call_without_progress_to_tell_shows_none():
+    for kind in (io.StringIO, Terminal):
+        with contextlib.redirect_stderr(kind()) as stream:
+            latvox.voxelize(MESH, resolution=9, progress=True)
+        told = [int(number) for number in re.findall(r"(\d+) %", stream.getvalue())]
+        assert told == sorted(set(told)) and 0 not in told
 
 
 def test_timeout():

@@ -49,21 +49,37 @@ def _begin(client: Client, mesh: Any, options: Dict[str, Any], streams: bool = F
 
 
 def _end(call: _latvox.Call, progress: Optional[Progress], depth: int) -> Voxels:
+    shown = _Shown() if progress is True else None
     try:
-        voxels = Voxels(call.wait(_show if progress is True else progress or None))
+        voxels = Voxels(call.wait(shown or progress or None))
     finally:
-        if progress is True:
-            print("\r" + " " * len(_shown(1)) + "\r", end="", file=sys.stderr, flush=True)
+        if shown is not None:
+            shown.end()
     voxels.warn(depth + 2)
     return voxels
 
 
-def _shown(share: float) -> str:
-    return f"latvox: {share:4.0%}"
+class _Shown:
+    """The share of the work on standard error: a line that changes on a terminal, otherwise a line for each tenth."""
 
+    def __init__(self) -> None:
+        self._terminal = sys.stderr.isatty()
+        self._last = 0  # percent
 
-def _show(share: float) -> None:
-    print("\r" + _shown(share), end="", file=sys.stderr, flush=True)
+    def __call__(self, share: float) -> None:
+        percent = int(share * 100)
+        if not self._terminal:
+            percent -= percent % 10
+        if percent <= self._last:
+            return
+        self._last = percent
+        text = f"latvox: {percent:3d} %"
+        print(f"\r{text}" if self._terminal else text, end="" if self._terminal else "\n", file=sys.stderr, flush=True)
+
+    def end(self) -> None:
+        """Removes the line from a terminal."""
+        if self._terminal and self._last > 0:
+            print("\r\x1b[K", end="", file=sys.stderr, flush=True)
 
 
 class Stream:
@@ -199,7 +215,8 @@ def voxelize(mesh: Any, *, progress: Optional[Progress] = None, **options: Any) 
 
     mesh: a path, or a list of paths, which form one mesh. Or (vertices, faces), arrays of (n, 3) numbers and (m, 3)
         integers. Or a mesh of trimesh, meshio, PyVista or Open3D.
-    progress: called with the share of the work that is done, 0 to 1. True: shows it on standard error.
+    progress: called with the share of the work that is done, 0 to 1. True: shows it on standard error, in a line that
+        changes on a terminal, otherwise in a line for each tenth.
     options: those of the tool's command voxelize, with _ in place of -. Lists are sequences, flags are True or False.
 
     Without `server`, the first call starts a private server for this process, and later calls use it. Python can run
