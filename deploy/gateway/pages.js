@@ -5,18 +5,22 @@ import { readFileSync } from 'node:fs';
 const VIEWER = ['three', 'voxels', 'cells', 'facets', 'surface', 'data', 'flat', 'view', 'controls'];
 const LOADERS = ['STLLoader', 'OBJLoader', 'PLYLoader', 'GLTFLoader'];
 const OWN = [
+  'address.js',
   'app.js',
   'bricks.js',
   'cell.js',
   'colors.js',
+  'fields.js',
   'job.js',
   'live.js',
   'meshes.js',
   'npz.js',
   'receive.js',
+  'request.js',
   'scene.js',
   'service.js',
   'save.js',
+  'settings.js',
 ];
 const TYPES = { html: 'text/html; charset=utf-8', js: 'text/javascript; charset=utf-8' };
 

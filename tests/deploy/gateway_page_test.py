@@ -1,36 +1,14 @@
-"""The gateway's page in Chromium: a mesh is dropped, its voxels are those of the tool, and a link repeats the request.
-Screenshots are in gateway-page of the build directory."""
+"""The gateway's page in Chromium: a mesh is dropped, its voxels are those of the tool, a link repeats the request."""
 
 import base64
 import json
-import os
-import pathlib
 import struct
-import sys
-import tempfile
-import time
 import unittest
 import zlib
 
-import numpy
-from gateway import ROOT, gateway
+from page_case import PageCase, ply, stl
 
-sys.path.insert(0, str(ROOT / "tests" / "e2e"))
-
-import harness  # noqa: E402
-from browser import Browser, Tab, decode  # noqa: E402
-from harness import PATIENCE, Case, octahedron, write_obj  # noqa: E402
-
-PICTURES = pathlib.Path(os.environ["LATVOX_BUILD_DIR"]) / "gateway-page"
-ONLY_HERE = "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1"
-
-
-def stl(mesh):
-    """Returns a binary STL file."""
-    vertices, triangles = mesh
-    corners = [struct.pack("<12fH", 0, 0, 0, *(x for v in t for x in vertices[v]), 0) for t in triangles]
-    return bytes(80) + struct.pack("<I", len(triangles)) + b"".join(corners)
-
+from harness import write_obj
 
 COLORS = [(230, 40, 30), (40, 60, 220), (250, 210, 20), (30, 160, 60)]
 
@@ -103,68 +81,15 @@ def glb(mesh):
     return b"glTF" + struct.pack("<II", 2, 12 + len(chunks)) + chunks
 
 
-class Page(Case):
-    """All tests share one server, one gateway and one browser."""
+def text_stl(mesh):
+    """Returns a text STL file."""
+    vertices, triangles = mesh
+    corners = [["vertex %g %g %g" % vertices[v] for v in triangle] for triangle in triangles]
+    facets = ["\n".join(["facet normal 0 0 0", "outer loop", *three, "endloop", "endfacet"]) for three in corners]
+    return "\n".join(["solid a", *facets, "endsolid a", ""]).encode()
 
-    @classmethod
-    def setUpClass(cls):
-        super().setUpClass()
-        home, cls.place = (
-            pathlib.Path(cls.enterClassContext(tempfile.TemporaryDirectory(prefix="latvox-"))) for _ in range(2)
-        )
-        cls.server = cls.enterClassContext(harness.server(cls.place))
-        cls.gateway = cls.enterClassContext(gateway(cls.place, cls.server.address))
-        cls.browser = Browser(home, ONLY_HERE)
-        cls.addClassCleanup(cls.browser.close)
-        cls.mesh = octahedron(7.0)
-        PICTURES.mkdir(parents=True, exist_ok=True)
 
-    def assert_no_process_left(self):
-        """They end with the class."""
-
-    def tab(self, place="", width=1280, height=800, **device):
-        tab = Tab(self.browser, width, height, **device)
-        tab.open(f"{self.gateway.url}/{place}")
-        return tab
-
-    def drop(self, tab, name, data):
-        tab.run(
-            f"""{{
-          const bytes = Uint8Array.from(atob("{base64.b64encode(data).decode()}"), (c) => c.charCodeAt(0));
-          const dropped = new DataTransfer(), how = {{ dataTransfer: dropped, bubbles: true, cancelable: true }};
-          dropped.items.add(new File([bytes], "{name}"));
-          document.body.dispatchEvent(new DragEvent("drop", how));
-        }}"""
-        )
-        tab.rest()
-
-    def shown(self, tab):
-        """Returns the rows of the page's table."""
-        self.assertTrue(
-            tab.run("document.getElementById('error').hidden"), tab.run("document.getElementById('error').innerText")
-        )
-        tab.run(
-            """new Promise((resolve) => {
-          const isBusy = () => document.getElementById('viewer').contentDocument.body.dataset.busy !== 'no';
-          const look = () => (isBusy() ? setTimeout(look, 20) : resolve());
-          look();
-        })"""
-        )
-        self.assertEqual(tab.complaints(), [])
-        return dict(
-            tab.run(
-                "[...document.querySelectorAll('#summary tr')].map(({ cells }) => [...cells].map((td) => td.innerText))"
-            )
-        )
-
-    def picture(self, tab, name):
-        png = tab.png()
-        (PICTURES / f"{name}.png").write_bytes(png)
-        return decode(png)
-
-    def direct(self, path, *options):
-        return self.voxelize(path, *options, "--server", self.server.address, out="direct.csv")
-
+class Page(PageCase):
     def test_a_dropped_mesh_becomes_voxels_and_its_link_repeats_them(self):
         direct = self.direct(
             write_obj(self.dir / "a.obj", self.mesh), "--lattice", "bcc", "--resolution", 40, "--fields", "distance"
@@ -190,9 +115,6 @@ class Page(Case):
         again.run("document.getElementById('stage').scrollIntoView()")
         self.picture(again, "phone-dark-viewer")
 
-    def theme(self, tab, name):
-        tab.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": name}])
-
     def test_bricks_are_shown_while_they_arrive(self):
         tab = self.tab("#resolution=500&set=supercover")
         tab.run(
@@ -213,30 +135,6 @@ class Page(Case):
         self.assertGreater(len(partial), 1, tab.run("told"))
         self.assertNotEqual(partial[0], voxels)
 
-    def saved(self, tab, kind):
-        """Returns the file that a click on a button gives, for a mesh of the name a."""
-        place = self.dir / f"saved-{len(list(self.dir.glob('saved-*')))}"
-        place.mkdir()
-        self.browser.call("Browser.setDownloadBehavior", behavior="allow", downloadPath=str(place))
-        tab.run(f"document.getElementById('{kind}').click()")
-        deadline = time.monotonic() + PATIENCE
-        while not (path := place / f"a.{kind}").exists() or path.stat().st_size < 100:
-            self.assertLess(time.monotonic(), deadline)
-            time.sleep(0.02)
-        return path
-
-    def assert_csv(self, tab):
-        """Checks that the page's .csv has the lines of the tool's."""
-        path = self.saved(tab, "csv")
-        read = [[line.split(",") for line in each.read_text().splitlines()] for each in (path, self.dir / "direct.csv")]
-        self.assertEqual(read[0][0], read[1][0])
-        numbers = [sorted([float(word) for word in line] for line in lines[1:]) for lines in read]
-        self.assertEqual(len(numbers[0]), len(numbers[1]))
-        for ours, tools in zip(*numbers):
-            self.assertEqual(ours[:3], tools[:3])
-            for one, other in zip(ours[3:], tools[3:]):
-                self.assertAlmostEqual(one, other, 6)
-
     def test_colors_of_vertices_are_those_of_the_tool(self):
         (self.dir / "a.ply").write_bytes(ply(self.mesh, COLORS))
         options = ["--lattice", "fcc", "--resolution", 40, "--fields", "color,part"]
@@ -252,9 +150,12 @@ class Page(Case):
         self.assertEqual(self.shown(again)["digest"], direct["digest"])
         self.assert_csv(again)
         self.drop(again, "a.stl", stl(self.mesh))
+        self.assertEqual(self.error(again), 'fields: "color" is not in a.stl, which has part')
+        again.run("document.querySelector('[value=color]').click()")
+        again.run("document.forms[0].requestSubmit()")
+        again.rest()
         self.shown(again)
-        box = "document.querySelector('[value=color]')"
-        self.assertEqual(again.run(f"[{box}.disabled, {box}.checked]"), [True, False])
+        self.assertTrue(again.run("document.querySelector('[value=color]').disabled"))
 
     def test_colors_of_textures_are_those_of_the_tool(self):
         (self.dir / "a.gltf").write_bytes(textured(self.mesh))
@@ -288,8 +189,8 @@ class Page(Case):
         for width, height in ((16385, 1), (1, 16385)):
             self.drop(tab, "a.gltf", textured(self.mesh, width, height))
             self.assertEqual(
-                tab.run("document.getElementById('error').innerText"),
-                f'texture "skin" has {width} × {height} pixels, more than 16384 on a side; use the tool latvox',
+                self.error(tab),
+                f'a.gltf: texture "skin" has {width} × {height} pixels, more than 16384 on a side; use the tool latvox',
             )
 
     def test_own_vectors_are_a_lattice(self):
@@ -305,28 +206,24 @@ class Page(Case):
         again.run("document.forms[0].elements.basis.value = '1, 2, x'")
         again.run("document.forms[0].requestSubmit()")
         again.rest()
-        self.assertEqual(again.run("document.getElementById('error').innerText"),
+        self.assertEqual(self.error(again),
                          'basis: "1, 2, x" is not nine numbers a1,a2,a3,b1,b2,b3,c1,c2,c3')  # fmt: skip
         hidden = "['run', 'cancel', 'progress', 'result'].map((id) => document.getElementById(id).hidden)"
         self.assertEqual(again.run(hidden), [False, True, True, True])
         again.run("document.forms[0].elements.basis.value = '1 0 0 0 1 0 1 1 0'")
         again.run("document.forms[0].requestSubmit()")
         again.rest()
-        self.assertIn("(BAD_SPEC)", again.run("document.getElementById('error').innerText"))
+        self.assertIn("(BAD_SPEC)", self.error(again))
 
     def test_the_npz_has_the_arrays_of_the_tool(self):
         (self.dir / "a.ply").write_bytes(ply(self.mesh, COLORS))
         fields = "distance,color,part,triangle"
-        self.voxelize(self.dir / "a.ply", "--lattice", "bcc", "--resolution", 30, "--fields", fields,
-                      "--server", self.server.address, out="direct.npz")  # fmt: skip
+        options = ["--lattice", "bcc", "--resolution", 30, "--fields", fields]
+        self.direct(self.dir / "a.ply", *options, out="direct.npz")
         tab = self.tab(f"#lattice=bcc&resolution=30&fields={fields}")
         self.drop(tab, "a.ply", ply(self.mesh, COLORS))
         self.shown(tab)
-        with numpy.load(self.saved(tab, "npz")) as ours, numpy.load(self.dir / "direct.npz") as tools:
-            self.assertEqual(sorted(ours), sorted(tools))
-            for name in tools:
-                self.assertEqual((ours[name].dtype, ours[name].shape), (tools[name].dtype, tools[name].shape), name)
-                numpy.testing.assert_array_equal(ours[name], tools[name], name)
+        self.assert_npz(tab)
 
     def test_keys_formats_cells_and_errors(self):
         tab = self.tab("#resolution=30")
@@ -342,6 +239,7 @@ class Page(Case):
             ("b.obj", (self.dir / "a.obj").read_bytes()),
             ("c.glb", glb(self.mesh)),
             ("d.ply", ply(self.mesh)),
+            ("e.stl", text_stl(self.mesh)),
         ):
             with self.subTest(name):
                 self.drop(tab, name, data)
@@ -356,33 +254,11 @@ class Page(Case):
             self.shown(tab)["digest"],
             self.direct(self.dir / "a.obj", "--resolution", 30, "--separability", 2)["digest"],
         )
-        self.drop(tab, "e.stl", b"no mesh")
-        self.assertFalse(tab.run("document.getElementById('error').hidden"))
-        self.drop(tab, "e.xyz", b"no mesh")
-        self.assertIn('"e.xyz" is not one of .stl, .obj', tab.run("document.getElementById('error').innerText"))
-        tab.complaints()
         lost = self.tab(f"#resolution=30&name=lost.stl&mesh={'ab' * 32}&raw=3,1,float32")
         self.assertEqual(
-            lost.run("document.getElementById('error').innerText"),
+            self.error(lost),
             "The server no longer has lost.stl: drop the file once more.",
         )
-
-
-def ply(mesh, colors=()):
-    """Returns a .ply whose vertices have the colors in turn."""
-    vertices, triangles = mesh
-    head = (
-        f"ply\nformat ascii 1.0\nelement vertex {len(vertices)}\nproperty float x\nproperty float y\nproperty float z\n"
-    )
-    head += "".join(f"property uchar {name}\n" for name in ("red", "green", "blue") if colors)
-    head += f"element face {len(triangles)}\nproperty list uchar int vertex_indices\nend_header\n"
-
-    def line(n, vertex):
-        return " ".join(map("{:g}".format, vertex + tuple(colors[n % len(colors)] if colors else ()))) + "\n"
-
-    return (
-        head + "".join(line(n, v) for n, v in enumerate(vertices)) + "".join("3 %d %d %d\n" % t for t in triangles)
-    ).encode()
 
 
 if __name__ == "__main__":

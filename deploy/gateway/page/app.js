@@ -1,18 +1,18 @@
-// The page: a mesh and a request on the left, the viewer on the right. The address repeats the request:
-// #lattice=bcc&resolution=64&set=surface&k=0&up=z&fields=distance&name=a.stl&mesh=SHA256&raw=VERTICES,TRIANGLES,TYPE
-// with color or texture at the end for a mesh that has them, and basis=a1,a2,… for a lattice of one's own.
-import { Job, NAMED } from './job.js';
+// The page: a mesh and a request on the left, the viewer on the right. The address repeats the request.
+import { addressOf, readAddress } from './address.js';
+import { Job } from './job.js';
 import { readMesh } from './meshes.js';
 import { npzOf } from './npz.js';
 import { csvOf, download } from './save.js';
 import { Service } from './service.js';
+import { counting, counts, faultOf, SETTINGS, settingsOf } from './settings.js';
 
 const byId = (id) => document.getElementById(id),
   form = byId('form');
-const SETTINGS = ['lattice', 'resolution', 'set', 'k', 'up', 'width', 'basis'];
 const count = (number, one) => `${Number(number).toLocaleString('en-US')} ${one}${Number(number) === 1 ? '' : 's'}`;
 const service = new Service(() => byId('token').value.trim());
-const state = { mesh: null, job: null };
+// `fault`: what is wrong with the address, until somebody presses the button. `keepsUp`: the address says what is up.
+const state = { mesh: null, job: null, fault: null, keepsUp: false };
 
 function say(text, error = false) {
   byId('status').textContent = error ? '' : text;
@@ -20,40 +20,50 @@ function say(text, error = false) {
   byId('error').hidden = !error;
 }
 
-// Returns the settings of the form by their names.
-function settings() {
-  const found = Object.fromEntries(SETTINGS.map((name) => [name, form.elements[name].value]));
-  const fields = [...form.querySelectorAll('[name=fields]:checked')].map(({ value }) => value);
-  return { ...found, fields, verify: form.elements.verify.checked };
+const elementsOf = (name) => [...form.querySelectorAll(`[name="${name}"]`)];
+
+// Returns the texts of the form: see settings.js.
+function texts() {
+  const textOf = (name) => {
+    const elements = elementsOf(name);
+    if (elements[0].type !== 'checkbox') return elements[0].value;
+    return elements
+      .filter(({ checked }) => checked)
+      .map(({ value }) => value)
+      .join();
+  };
+  return Object.fromEntries(Object.keys(SETTINGS).map((name) => [name, textOf(name)]));
 }
 
-function address() {
-  const { width, basis, fields, verify, ...others } = settings(),
-    { name, sha256, spec } = state.mesh,
-    words = new URLSearchParams(others);
-  if (others.set === 'band') words.set('width', width);
-  if (others.lattice === 'basis') words.set('basis', basis.trim().split(/[\s,]+/).join());
-  if (fields.length > 0) words.set('fields', fields.join());
-  if (verify) words.set('verify', 'yes');
-  words.set('name', name);
-  words.set('mesh', sha256);
-  const raw = [spec.vertices, spec.triangles, spec.positions.replace('POSITION_TYPE_', '').toLowerCase()];
-  if (hasColors(state.mesh)) raw.push(state.mesh.textured === null ? 'color' : 'texture');
-  words.set('raw', raw.join());
-  return `#${words}`;
+function fill(name, text) {
+  for (const element of elementsOf(name)) {
+    if (element.type === 'checkbox') element.checked = text.split(',').includes(element.value);
+    else element.value = text;
+  }
 }
 
-const hasColors = ({ spec }) => spec.fields.includes('FIELD_COLOR');
+// Returns whether a mesh has the values of a field; any mesh has those that the server finds.
+const hasField = ({ spec }, name) =>
+  !['part', 'material', 'color'].includes(name) || spec.fields.includes(`FIELD_${name.toUpperCase()}`);
+
+// Shows the settings that count, and lets nobody ask for a field that the mesh lacks.
+function adapt() {
+  const all = texts();
+  for (const name of Object.keys(SETTINGS)) {
+    for (const element of elementsOf(name)) element.closest('label').hidden = !counts(name, all);
+  }
+  for (const box of elementsOf('fields')) {
+    box.disabled = !box.checked && state.mesh !== null && !hasField(state.mesh, box.value);
+  }
+}
 
 function show(mesh) {
-  const box = form.querySelector('[name=fields][value=color]');
-  box.disabled = !hasColors(mesh);
-  box.checked &&= !box.disabled;
   state.mesh = mesh;
   byId('mesh').textContent = mesh.name;
   byId('facts').textContent = `${count(mesh.spec.triangles, 'triangle')}${mesh.bytes ? '' : ', kept by the server'}`;
   byId('run').disabled = false;
   document.title = `latvox: ${mesh.name}`;
+  adapt();
 }
 
 async function take(file) {
@@ -64,12 +74,12 @@ async function take(file) {
   try {
     if (!crypto.subtle)
       throw new Error('This page needs https, or an address of this machine: browsers compute SHA-256 only there.');
-    const { spec, bytes, up, textured } = await readMesh(file.name, await file.arrayBuffer());
+    const { spec, bytes, up, textured } = await readMesh(file);
     const digest = new Uint8Array(await crypto.subtle.digest('SHA-256', bytes));
     const sha256 = [...digest].map((n) => n.toString(16).padStart(2, '0')).join('');
     show({ name: file.name, spec, bytes, textured, sha256 });
-    form.elements.up.value = up;
-    say('');
+    if (!state.keepsUp) fill('up', up);
+    state.keepsUp = false;
     await run();
   } catch (error) {
     say(error.message, true);
@@ -84,28 +94,38 @@ function setRunning(runs) {
   document.body.dataset.busy = runs ? 'yes' : 'no';
 }
 
-// Returns null, and says why, for a setting that is wrong.
+// Says what is wrong, and shows where.
+function refuse(name, message) {
+  say(message, true);
+  const [element] = elementsOf(name);
+  if (byId('more').contains(element)) byId('more').open = true;
+  element.focus();
+}
+
+// Returns nothing, and says why, for a setting that is wrong.
 function jobOf() {
   say('');
-  if (!form.reportValidity()) return null;
-  try {
-    return new Job(service, state.mesh, settings(), byId('viewer'));
-  } catch (error) {
-    say(error.message, true);
-    return null;
-  }
+  const all = texts(),
+    fault = faultOf(counting(all), all);
+  if (fault !== null) return refuse(fault.name, fault.message);
+  const settings = settingsOf(all),
+    lacking = settings.fields.find((name) => !hasField(state.mesh, name));
+  if (lacking === undefined) return new Job(service, state.mesh, settings, byId('viewer'));
+  const has = state.mesh.spec.fields.map((field) => field.replace('FIELD_', '').toLowerCase());
+  const setting = settings.labels === lacking ? 'labels' : 'fields';
+  return refuse(setting, `${setting}: "${lacking}" is not in ${state.mesh.name}, which has ${has.join(', ')}`);
 }
 
 // Starts the request of the form.
 async function run() {
   if (state.mesh === null) return;
   state.job?.cancel();
-  const job = (state.job = jobOf());
+  const job = (state.job = state.fault === null ? jobOf() : sayFault());
   byId('result').hidden = true; // its buttons save the last job
-  setRunning(job !== null);
-  if (job === null) return;
+  setRunning(Boolean(job));
+  if (!job) return;
   try {
-    history.replaceState(null, '', address());
+    history.replaceState(null, '', addressOf(texts(), INITIAL, state.mesh));
     await job.run((text, share) => {
       say(text);
       byId('progress').value = share;
@@ -119,15 +139,25 @@ async function run() {
   }
 }
 
+function sayFault() {
+  say(`The address is wrong. ${state.fault}. "Voxelize" takes the settings of this form.`, true);
+}
+
+// Starts the request of the form, whatever the address says.
+function press() {
+  state.fault = null;
+  return run();
+}
+
 function fail(job, error) {
   if (job.canceled) return say('canceled');
-  const lost = error.reason === 'MESH_NOT_FOUND';
-  say(
-    lost
-      ? `The server no longer has ${state.mesh.name}: drop the file once more.`
-      : `${error.message || error.code}${error.reason ? ` (${error.reason})` : ''}`,
-    true,
-  );
+  const { name } = state.mesh,
+    { reason } = error;
+  const message = reason === 'BAD_MESH' ? error.message.replace(/^mesh:/, `${name}:`) : error.message || error.code;
+  if (reason === 'MESH_NOT_FOUND') say(`The server no longer has ${name}: drop the file once more.`, true);
+  else say(`${message}${reason ? ` (${reason})` : ''}`, true);
+  // There are the boxes that the server's message names.
+  if (/force_open|allow_outside|solid\.labels/.test(error.message)) byId('more').open = true;
 }
 
 function finish({ summary, accepted, seconds, shown }) {
@@ -157,18 +187,19 @@ function finish({ summary, accepted, seconds, shown }) {
   );
   byId('result').hidden = false;
   byId('empty').hidden = !byId('viewer').hidden;
-  if (!shown) say('The viewer shows up to 4,000,000 voxels, and at least one. The files have all of them.');
+  if (!summary.voxels) say('The result has no voxels.');
+  else if (!shown) say('The viewer shows up to 4,000,000 voxels, and 20,000,000 colors. The files have all of them.');
   else say(hasLostTextures() ? `A link has no textures: drop ${state.mesh.name} once more for all of its colors.` : '');
 }
 
 // The vertices of such a mesh have the colors that their textures have there.
-const hasLostTextures = () => state.mesh.textured === undefined && settings().fields.includes('color');
+const hasLostTextures = () => state.mesh.textured === undefined && state.job.settings.fields.includes('color');
 
 function saveNpz() {
-  const { bricks, scene, fields } = state.job;
+  const { bricks, scene, fields, layout } = state.job;
   try {
     const name = `${state.mesh.name.replace(/\.\w+$/, '')}.npz`;
-    download(name, [npzOf(bricks, scene, fields)], 'application/zip');
+    download(name, [npzOf(bricks, scene, fields, layout)], 'application/zip');
   } catch (error) {
     say(error.message, true);
   }
@@ -190,31 +221,18 @@ function saveJson() {
 
 // Takes the request of the address.
 function restore() {
-  const words = new URLSearchParams(location.hash.slice(1)),
-    [vertices, triangles, type, colors] = (words.get('raw') ?? '').split(',');
-  for (const name of SETTINGS) if (words.has(name)) form.elements[name].value = words.get(name);
-  for (const box of form.querySelectorAll('[name=fields]'))
-    box.checked = (words.get('fields') ?? '').split(',').includes(box.value);
-  form.elements.verify.checked = words.has('verify');
+  const token = byId('token').value;
+  form.reset();
+  byId('token').value = token;
+  const { texts: given, mesh, fault } = readAddress(location.hash, INITIAL);
+  for (const [name, text] of Object.entries(given)) fill(name, text);
+  Object.assign(state, { fault, keepsUp: 'up' in given });
+  const folded = [...byId('more').querySelectorAll('[name]')].filter(({ name }) => name in given);
+  byId('more').open = folded.some(({ type, checked }) => type !== 'checkbox' || checked);
   adapt();
-  if (!/^[0-9a-f]{64}$/.test(words.get('mesh') ?? '')) return;
-  const spec = {
-    vertices: Number(vertices),
-    triangles: Number(triangles),
-    positions: `POSITION_TYPE_${type?.toUpperCase()}`,
-    fields: ['FIELD_PART', ...(colors ? ['FIELD_COLOR'] : [])],
-  };
-  const textured = colors === 'texture' ? undefined : null;
-  show({ name: words.get('name') ?? 'mesh', spec, bytes: null, textured, sha256: words.get('mesh') });
-  run();
-}
-
-function adapt() {
-  byId('widthlabel').hidden = form.elements.set.value !== 'band';
-  const { lattice, resolution } = form.elements;
-  if (lattice.value !== 'basis' && !Object.hasOwn(NAMED, lattice.value)) lattice.value = 'cartesian';
-  byId('basislabel').hidden = lattice.value !== 'basis';
-  resolution.required = lattice.value !== 'basis';
+  if (mesh !== null) show(mesh);
+  if (fault !== null) sayFault();
+  else if (mesh !== null) run();
 }
 
 function copyLink() {
@@ -225,8 +243,9 @@ function copyLink() {
   );
 }
 
-form.addEventListener('submit', (event) => (event.preventDefault(), run()));
-for (const name of ['set', 'lattice']) form.elements[name].addEventListener('change', adapt);
+form.addEventListener('submit', (event) => (event.preventDefault(), press()));
+form.addEventListener('change', adapt);
+addEventListener('hashchange', restore);
 byId('file').addEventListener('change', (event) => take(event.target.files[0]));
 for (const [id, use] of Object.entries({
   cancel: () => state.job?.cancel(),
@@ -245,7 +264,9 @@ for (const kind of ['dragenter', 'dragover', 'dragleave', 'drop']) {
 }
 addEventListener('keydown', ({ key, ctrlKey, metaKey }) => {
   if (key === 'Escape') state.job?.cancel();
-  if (key === 'Enter' && (ctrlKey || metaKey)) run();
+  if (key === 'Enter' && (ctrlKey || metaKey)) press();
 });
 document.body.dataset.busy = 'no';
+form.reset(); // Firefox keeps what was there before a reload
+const INITIAL = texts();
 restore();

@@ -1,67 +1,28 @@
 // One request: the upload of the mesh, the stream of bricks, and what the viewer shows of them.
 import { forEachVoxel, joined, unpack } from './bricks.js';
 import { colorsOfVoxels } from './colors.js';
-import { flattened, MOST_VOXELS, paintOf, sceneOf } from './scene.js';
+import { fieldOf, layoutOf } from './fields.js';
+import { specOf } from './request.js';
+import { flattened, MOST_COLORS, MOST_VOXELS, paintsOf, sceneOf } from './scene.js';
 import { base64Of, bytesOf } from './service.js';
-
-export const NAMED = {
-  cartesian: 'NAMED_LATTICE_CARTESIAN',
-  bcc: 'NAMED_LATTICE_BCC',
-  fcc: 'NAMED_LATTICE_FCC',
-  hexagonal: 'NAMED_LATTICE_HEXAGONAL',
-};
-
-// Returns the vectors of a lattice from the nine numbers that `latvox --basis` takes, too.
-function basisOf(text) {
-  const numbers = text.trim().split(/[\s,]+/).map(Number);
-  if (text.trim() === '' || numbers.length !== 9 || !numbers.every(Number.isFinite))
-    throw new Error(`basis: "${text}" is not nine numbers a1,a2,a3,b1,b2,b3,c1,c2,c3`);
-  const [a, b, c] = [0, 3, 6].map((at) => ({ x: numbers[at], y: numbers[at + 1], z: numbers[at + 2] }));
-  return { a, b, c };
-}
 
 // The fields of the nearest point, which textures need.
 const NEAREST = ['triangle', 'point'];
 
-const SETS = {
-  surface: () => ({ surface: {} }),
-  supercover: () => ({ supercover: {} }),
-  solid: () => ({ solid: {} }),
-  interior: () => ({ solid: { surface: 'SOLID_SURFACE_NONE' } }),
-  enclosed: () => ({ enclosed: {} }),
-  links: () => ({ links: {} }),
-  band: ({ width }) => ({ band: { voxels: Number(width) } }),
-};
-
-function specOf(mesh, settings, asked) {
-  const { lattice, resolution, basis } = settings;
-  return {
-    lattice: lattice === 'basis' ? { basis: basisOf(basis) } : { named: NAMED[lattice] },
-    ...(resolution === '' ? {} : { resolution: Number(resolution) }),
-    separability: Number(settings.k),
-    verify: settings.verify,
-    fields: asked.map((name) => `FIELD_${name.toUpperCase()}`),
-    ...SETS[settings.set](settings),
-    encoding: 'BRICK_ENCODING_PACKED',
-    meshSha256: base64Of(Uint8Array.from(mesh.sha256.match(/../g), (byte) => parseInt(byte, 16))),
-    rawMesh: mesh.spec,
-  };
-}
-
 let opened = 0; // viewers
 
 export class Job {
-  // Throws an Error for a setting that is wrong.
   constructor(service, mesh, settings, frame) {
     this.hasTextures = Boolean(mesh.textured) && settings.fields.includes('color');
     const asked = [...new Set([...settings.fields, ...(this.hasTextures ? NEAREST : [])])];
+    const meshSha256 = base64Of(Uint8Array.from(mesh.sha256.match(/../g), (byte) => parseInt(byte, 16)));
     Object.assign(this, {
       asked,
       service,
       mesh,
       settings,
       frame,
-      request: { spec: specOf(mesh, settings, asked) },
+      request: { spec: { ...specOf(settings, asked), meshSha256, rawMesh: mesh.spec } },
       end: new AbortController(),
       canceled: false,
     });
@@ -114,11 +75,12 @@ export class Job {
       const { colors, corners } = this.mesh.textured;
       found.set('color', colorsOfVoxels(colors, corners, ...NEAREST.map((name) => found.get(name))));
     }
-    return this.settings.fields.map((name) => ({ name, bytes: found.get(name) }));
+    return this.settings.fields.map((name) => fieldOf(name, found.get(name), this.layout));
   }
 
   accept(accepted) {
     this.accepted = accepted;
+    this.layout = layoutOf(accepted);
     const reach = this.settings.set === 'band' ? Number(this.settings.width) * accepted.grid.voxelSize : 0;
     const empty = { min: {}, max: { i: 1, j: 1, k: 1 } };
     this.scene = sceneOf(
@@ -154,19 +116,18 @@ export class Job {
 
   // Opens the viewer with all voxels, fields and facts.
   async show() {
-    if (this.voxels === 0 || this.voxels > MOST_VOXELS) {
+    const { settings, scene } = this,
+      paints = paintsOf(this.fields, this.request.spec.fractionN ** 3);
+    if (this.voxels === 0 || this.voxels > MOST_VOXELS || this.voxels * paints.length > MOST_COLORS) {
       this.frame.hidden = true;
       return;
     }
-    // As in a page of `latvox view`: colors come first, and have no values beside them.
-    const fields = [...this.fields].sort((a, b) => (b.name === 'color') - (a.name === 'color')),
-      found = fields.map(({ name, bytes }) => paintOf(name, bytes)),
-      { settings, scene } = this;
     const metadata = [
       ...flattened(this.summary.certificate),
       ...flattened(this.summary.timings ?? {}),
       ['resolution', settings.resolution],
     ];
+    const found = paints.map((paint) => paint());
     const data = {
       ...scene,
       voxels: this.voxels,
@@ -178,7 +139,7 @@ export class Job {
       data,
       this.bricks,
       joined(found.map(({ colors }) => colors)),
-      joined(fields.filter(({ name }) => name !== 'color').map(({ bytes }) => bytes)),
+      joined(found.map(({ values }) => values)),
     );
     this.shown = true;
   }

@@ -1,19 +1,13 @@
 // A .npz as `latvox -o a.npz` writes it: dense arrays over the box of the voxels, and the place of that box.
 import { zipSync } from 'fflate';
 import { forEachVoxel } from './bricks.js';
+import { isOfLinks } from './fields.js';
 
 const MOST_CELLS = 1 << 26;
 
-// Type, components and value where there is no voxel, of an array for each field.
-const ARRAYS = {
-  data: [Uint8Array, 1, 0],
-  part: [Int32Array, 1, -1],
-  triangle: [Int32Array, 1, -1],
-  distance: [Float32Array, 1, NaN],
-  color: [Uint8Array, 3, 0],
-};
 const TYPES = new Map([
   [Uint8Array, '|u1'],
+  [Uint16Array, '<u2'],
   [Int32Array, '<i4'],
   [Float32Array, '<f4'],
   [Float64Array, '<f8'],
@@ -32,15 +26,32 @@ function npyOf(array, shape) {
   return bytes;
 }
 
-function denseOf(bricks, { low, size }, name, bytes) {
-  const [Kind, components, nothing] = ARRAYS[name],
-    values = new Kind(bytes.buffer),
-    array = new Kind(components * size[0] * size[1] * size[2]).fill(nothing);
+// Returns a .npy of `components` numbers of each voxel, from the one of the number `first` on.
+function denseOf(bricks, { low, size }, { values, columns, empty }, first, components) {
+  const array = new values.constructor(components * size[0] * size[1] * size[2]).fill(empty);
   forEachVoxel(bricks, (i, j, k, number) => {
     const at = ((i - low[0]) * size[1] + j - low[1]) * size[2] + k - low[2];
-    for (let n = 0; n < components; ++n) array[components * at + n] = values[components * number + n];
+    for (let n = 0; n < components; ++n) array[components * at + n] = values[columns.length * number + first + n];
   });
   return npyOf(array, components > 1 ? [...size, components] : size);
+}
+
+// Returns [name, .npy] of each array of a field. Labels have one each.
+function arraysOf(bricks, box, field) {
+  const { name, columns } = field;
+  if (name === 'label_fractions') return columns.map((label, n) => [label, denseOf(bricks, box, field, n, 1)]);
+  return [[name, denseOf(bricks, box, field, 0, columns.length)]];
+}
+
+// Returns the arrays of links: a row for each voxel, and none for other points of the box.
+function linksOf(bricks, voxels, neighbors, fields) {
+  const places = new Int32Array(3 * voxels);
+  forEachVoxel(bricks, (i, j, k, number) => places.set([i, j, k], 3 * number));
+  return [
+    ['ijk', npyOf(places, [voxels, 3])],
+    ['neighbors', npyOf(Int32Array.from(neighbors.flat()), [neighbors.length, 3])],
+    ...fields.map(({ name, values }) => [name, npyOf(values, [voxels, neighbors.length])]),
+  ];
 }
 
 function placeOf({ low }, { origin, basis }) {
@@ -55,13 +66,18 @@ function placeOf({ low }, { origin, basis }) {
 }
 
 // Returns the bytes of the file. Throws an Error for too large a box.
-export function npzOf(bricks, { low, high, grid }, fields) {
+export function npzOf(bricks, { low, high, grid }, fields, { neighbors }) {
   const box = { low, size: high.map((n, m) => n - low[m]) },
     cells = box.size.reduce((product, n) => product * n, 1);
   if (cells > MOST_CELLS)
     throw new Error(`.npz: the voxels' box has ${cells} points, more than ${MOST_CELLS}; the .csv has all voxels`);
-  const arrays = [{ name: 'data', bytes: new Uint8Array(forEachVoxel(bricks)).fill(1) }, ...fields],
-    members = arrays.map(({ name, bytes }) => [name, denseOf(bricks, box, name, bytes)]);
-  const all = [...members, ...Object.entries(placeOf(box, grid))];
+  const voxels = forEachVoxel(bricks),
+    data = { name: 'data', values: new Uint8Array(voxels).fill(1), empty: 0, columns: ['data'] },
+    ofLinks = fields.filter(isOfLinks);
+  const all = [
+    ...[data, ...fields.filter((field) => !isOfLinks(field))].flatMap((field) => arraysOf(bricks, box, field)),
+    ...(ofLinks.length > 0 ? linksOf(bricks, voxels, neighbors, ofLinks) : []),
+    ...Object.entries(placeOf(box, grid)),
+  ];
   return zipSync(Object.fromEntries(all.map(([name, bytes]) => [`${name}.npy`, bytes])), { level: 1 });
 }

@@ -11,22 +11,17 @@ export function download(name, parts, type) {
   setTimeout(() => URL.revokeObjectURL(link.href), 60_000);
 }
 
-// Returns { name, valueOf } of each column of a field.
-function columnsOf({ name, bytes }) {
-  if (name === 'color')
-    return ['red', 'green', 'blue'].map((level, n) => ({ name: level, valueOf: (voxel) => bytes[3 * voxel + n] }));
-  const values = name === 'distance' ? new Float32Array(bytes.buffer) : new Uint32Array(bytes.buffer);
-  return [{ name, valueOf: (voxel) => values[voxel] }];
-}
-
 // Returns the lines of a .csv: lattice coordinates, world positions, and fields, as `latvox -o a.csv` has them.
 export function csvOf(bricks, { origin, basis: [a, b, c] }, fields) {
   const parts = [],
-    columns = fields.flatMap(columnsOf);
-  let lines = [['i,j,k,x,y,z', ...columns.map(({ name }) => name)].join()];
+    text = (value) => (Number.isNaN(value) ? 'nan' : value);
+  let lines = [['i,j,k,x,y,z', ...fields.flatMap(({ columns }) => columns)].join()];
   forEachVoxel(bricks, (i, j, k, number) => {
     const at = [0, 1, 2].map((m) => origin[m] + i * a[m] + j * b[m] + k * c[m]);
-    lines.push([i, j, k, ...at, ...columns.map(({ valueOf }) => valueOf(number))].join());
+    const carried = fields.flatMap(({ values, columns: { length } }) =>
+      Array.from(values.subarray(length * number, length * (number + 1)), text),
+    );
+    lines.push([i, j, k, ...at, ...carried].join());
     if (lines.length === LINES) {
       parts.push(`${lines.join('\n')}\n`);
       lines = [];

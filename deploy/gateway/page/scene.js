@@ -1,7 +1,9 @@
 // The data of the viewer: see client/tool/view/page.h.
 import { facetsOf } from './cell.js';
 
-export const MOST_VOXELS = 4_000_000; // that the viewer shows
+// As client/tool/view/page.h and paints.h have them.
+export const MOST_VOXELS = 4_000_000,
+  MOST_COLORS = 20_000_000; // of all choices of colors together
 
 // As client/tool/output/voxel_colors.cc has them.
 const PALETTE = [
@@ -9,6 +11,9 @@ const PALETTE = [
   0xaa4499,
 ];
 const VIRIDIS = [0x440154, 0x472d7b, 0x3b528b, 0x2c728e, 0x21918c, 0x28ae80, 0x5ec962, 0xaddc30, 0xfde725];
+const RED_BLUE = [
+  0x053061, 0x2166ac, 0x4393c3, 0x92c5de, 0xd1e5f0, 0xf7f7f7, 0xfddbc7, 0xf4a582, 0xd6604d, 0xb2182b, 0x67001f,
+];
 const ENTRIES = 24,
   STEPS = 32; // of legends
 
@@ -76,11 +81,18 @@ function coordinates([a, b, c], v) {
   return [volume(v, b, c) / all, volume(a, v, c) / all, volume(a, b, v) / all];
 }
 
-// Returns { paint, colors } of colors, 3 bytes for each voxel. The legend has the most frequent ones.
-function paintOfColors(bytes) {
+const NO_VALUES = new Uint8Array();
+const rawBytes = (array) => new Uint8Array(array.buffer, array.byteOffset, array.byteLength);
+
+function withRest(legend, rows) {
+  return rows.length > ENTRIES ? [...legend, ['', `and ${rows.length - ENTRIES} more`]] : legend;
+}
+
+// Returns a choice of colors, which have no values beside them. The legend has the most frequent ones.
+function paintOfColors({ name, values }) {
   const counts = new Map();
-  for (let at = 0; at < bytes.length; at += 3) {
-    const color = (bytes[at] << 16) | (bytes[at + 1] << 8) | bytes[at + 2];
+  for (let at = 0; at < values.length; at += 3) {
+    const color = (values[at] << 16) | (values[at + 1] << 8) | values[at + 2];
     counts.set(color, (counts.get(color) ?? 0) + 1);
   }
   const rows = [...counts].sort(([, a], [, b]) => b - a);
@@ -88,29 +100,38 @@ function paintOfColors(bytes) {
     const name = hex(rgb(color));
     return [name, `${name}: ${voxels(count)}`];
   });
-  return { paint: { name: 'color', ramp: false, legend: withRest(legend, rows), values: 'rgb' }, colors: bytes };
+  const paint = { name, ramp: false, legend: withRest(legend, rows), values: 'rgb' };
+  return { paint, colors: values, values: NO_VALUES };
 }
 
-function withRest(legend, rows) {
-  return rows.length > ENTRIES ? [...legend, ['', `and ${rows.length - ENTRIES} more`]] : legend;
+// Returns a choice of colors along a map, for numbers from `least` to `most`.
+function paintOfRamp(name, numbers, map, least, most) {
+  const colors = new Uint8Array(3 * numbers.length),
+    span = most - least;
+  numbers.forEach((n, at) => colors.set(between(map, (n - least) / span), 3 * at));
+  const legend = Array.from({ length: STEPS + 1 }, (_, n) => [
+    hex(between(map, n / STEPS)),
+    n % (STEPS / 2) === 0 ? String(Number((least + (span * n) / STEPS).toPrecision(4))) : '',
+  ]);
+  return { paint: { name, ramp: true, legend }, colors };
 }
 
-// Returns { paint, colors } of a field.
-export function paintOf(name, bytes) {
-  if (name === 'color') return paintOfColors(bytes);
-  const numbers = name === 'distance' ? new Float32Array(bytes.buffer) : new Uint32Array(bytes.buffer),
-    colors = new Uint8Array(3 * numbers.length);
-  if (name === 'distance') {
-    const most = numbers.reduce((so, n) => Math.max(so, Math.abs(n)), 0) || 1;
-    numbers.forEach((n, at) => colors.set(between(VIRIDIS, Math.abs(n) / most), 3 * at));
-    const legend = Array.from({ length: STEPS + 1 }, (_, n) => [
-      hex(between(VIRIDIS, n / STEPS)),
-      n % (STEPS / 2) === 0 ? String(Number(((most * n) / STEPS).toPrecision(4))) : '',
-    ]);
-    return { paint: { name, ramp: true, legend, values: 'float32' }, colors };
-  }
-  const counts = new Map();
-  numbers.forEach((n, at) => {
+function paintOfDistances({ name, values }) {
+  const most = values.reduce((so, n) => Math.max(so, Math.abs(n)), 0) || 1,
+    isSigned = values.some((n) => n < 0);
+  const { paint, colors } = paintOfRamp(name, values, isSigned ? RED_BLUE : VIRIDIS, isSigned ? -most : 0, most);
+  return { paint: { ...paint, values: 'float32' }, colors, values: rawBytes(values) };
+}
+
+function paintOfFractions(name, numbers, points) {
+  const { paint, colors } = paintOfRamp(name, numbers, VIRIDIS, 0, points);
+  return { paint: { ...paint, values: 'uint32' }, colors, values: rawBytes(Uint32Array.from(numbers)) };
+}
+
+function paintOfNumbers({ name, values }) {
+  const colors = new Uint8Array(3 * values.length),
+    counts = new Map();
+  values.forEach((n, at) => {
     counts.set(n, (counts.get(n) ?? 0) + 1);
     colors.set(rgb(PALETTE[n % PALETTE.length]), 3 * at);
   });
@@ -118,7 +139,29 @@ export function paintOf(name, bytes) {
   const legend = rows
     .slice(0, ENTRIES)
     .map(([n, count]) => [hex(rgb(PALETTE[n % PALETTE.length])), `${name} ${n}: ${voxels(count)}`]);
-  return { paint: { name, ramp: false, legend: withRest(legend, rows), values: 'uint32' }, colors };
+  const paint = { name, ramp: false, legend: withRest(legend, rows), values: 'uint32' };
+  return { paint, colors, values: rawBytes(values) };
+}
+
+const PAINTS = {
+  color: (field) => [() => paintOfColors(field)],
+  part: (field) => [() => paintOfNumbers(field)],
+  material: (field) => [() => paintOfNumbers(field)],
+  triangle: (field) => [() => paintOfNumbers(field)],
+  distance: (field) => [() => paintOfDistances(field)],
+  fraction: ({ name, values }, points) => [() => paintOfFractions(name, values, points)],
+  label_fractions: ({ columns, values }, points) =>
+    columns.map((name, n) => () => {
+      const ofLabel = values.filter((_, at) => at % columns.length === n);
+      return paintOfFractions(name, ofLabel, points);
+    }),
+};
+
+// Returns a function for each choice of colors that the fields give, which returns { paint, colors, values }: 3 bytes
+// and 4 or none for each voxel. As in a page of `latvox view`, colors come first. `points`: of a cell, for fractions.
+export function paintsOf(fields, points) {
+  const colorsFirst = [...fields].sort((a, b) => (b.name === 'color') - (a.name === 'color'));
+  return colorsFirst.flatMap((field) => PAINTS[field.name]?.(field, points) ?? []);
 }
 
 // Returns names and values of a message, with paths as names.

@@ -1,0 +1,248 @@
+"""The settings of the gateway's page in Chromium: every set and field is that of the tool. What is wrong in a form, a link
+or a file is an error that says so."""
+
+import unittest
+
+from page_case import PageCase, ply, stl
+
+from harness import box, write_obj
+
+SETS = [
+    ("set=supercover", ["--set", "supercover"]),
+    ("set=solid&rule=positive", ["--set", "solid", "--rule", "positive"]),
+    ("set=supercover-solid", ["--set", "supercover-solid"]),
+    ("set=interior", ["--set", "interior"]),
+    ("set=enclosed&close=2", ["--set", "enclosed", "--close", 2]),
+    ("set=enclosed-interior", ["--set", "enclosed-interior"]),
+    ("set=region&seed=0,0.5,-1&close=0.5", ["--set", "region", "--seed", "0,0.5,-1", "--close", 0.5]),
+    ("set=region&seed=6,6,6&allow-outside=yes", ["--set", "region", "--seed", "6,6,6", "--allow-outside"]),
+    ("set=band&width=2.5", ["--band", "2.5v"]),
+    ("set=links&side=inside&k=2", ["--set", "links", "--side", "inside", "--separability", 2]),
+]
+
+WRONG = {
+    "set=wall": 'set: "wall" is not one of surface, supercover, solid,',
+    "lattice=nonsense": 'lattice: "nonsense" is not one of cartesian, bcc, fcc, hexagonal, basis',
+    "k=7": 'k: "7" is not one of 0, 1, 2',
+    "k=1&set=interior": 'k: "1" counts only with other sets than interior and band, or with fields of links',
+    "fields=part,hue": 'fields: "part,hue" has "hue", which is not one of part, material,',
+    "fields=part,part": 'fields: "part,part" names a field twice',
+    "resolution=99999": 'resolution: "99999" is not a whole number from 2 to 65536',
+    "resolution=": 'resolution: "" is not a whole number from 2 to 65536',
+    "resolution=6.5": 'resolution: "6.5" is not a whole number from 2 to 65536',
+    "set=band&width=300": 'width: "300" is not a number from 0.001 to 256',
+    "width=3": 'width: "3" counts only with set band',
+    "lattice=basis&basis=1,2": 'basis: "1,2" is not nine numbers a1,a2,a3,b1,b2,b3,c1,c2,c3',
+    "set=region": 'seed: "" is not three numbers x,y,z',
+    "set=region&seed=1,2": 'seed: "1,2" is not three numbers x,y,z',
+    "set=enclosed&close=-1": 'close: "-1" is not a number of at least 0',
+    "set=links&side=left": 'side: "left" is not one of both, inside, outside',
+    "set=solid&rule=odd": 'rule: "odd" is not one of auto, parity, winding, positive',
+    "set=solid&labels=color": 'labels: "color" is not one of none, part, material',
+    "force-open=yes": 'force-open: "yes" counts only with set solid, supercover-solid, interior',
+    "set=solid&verify=yes": 'verify: "yes" counts only with set surface, supercover',
+    "verify=no": 'verify: "no" is not yes',
+    "fields=fraction&fraction-n=17": 'fraction-n: "17" is not a whole number from 2 to 16',
+    "signed=yes": 'signed: "yes" counts only with fields distance',
+    "up=x": 'up: "x" is not one of y, z',
+    "hue=red": '"hue" is not one of the settings lattice, resolution,',
+    "k=0&k=0": "k: is there twice",
+    "mesh=12": 'mesh: "12" is not the 64 hexadecimal digits of a SHA-256',
+    f"mesh={'ab' * 32}&raw=3,1,int8": 'raw: "3,1,int8" is not VERTICES,TRIANGLES,float32 or float64, then fields',
+}
+
+
+class PageSettings(PageCase):
+    def repeated(self, tab):
+        """Returns a tab with the address of another one."""
+        return self.tab(tab.run("location.hash"))
+
+    def submit(self, tab):
+        tab.run("document.forms[0].requestSubmit()")
+        tab.rest()
+
+    def put(self, tab, name, value):
+        """Changes a setting as a user does."""
+        tab.run(
+            f"""{{
+          const element = document.forms[0].elements["{name}"];
+          element.value = "{value}";
+          element.dispatchEvent(new Event("change", {{ bubbles: true }}));
+        }}"""
+        )
+
+    def is_hidden(self, tab, name):
+        return tab.run(f"document.querySelector('[name={name}]').closest('label').hidden")
+
+    def bodies(self):
+        """Writes a.obj: two boxes that overlap, of a material each. Returns its bytes."""
+        (first, triangles), (second, _) = box((-4, -4, -4), (4, 4, 4)), box((0, -2, -2), (9, 2, 2))
+        path = write_obj(self.dir / "a.obj", (first + second, triangles))
+        more = ["f %d %d %d" % tuple(n + 9 for n in triangle) for triangle in triangles]
+        text = path.read_text().replace("f ", "usemtl red\nf ", 1) + "\n".join(["usemtl blue", *more]) + "\n"
+        path.write_text(text)
+        return text.encode()
+
+    def test_every_set_is_that_of_the_tool(self):
+        obj = write_obj(self.dir / "a.obj", self.mesh)
+        for words, options in SETS:
+            with self.subTest(words):
+                direct = self.direct(obj, "--lattice", "fcc", "--resolution", 20, *options)
+                tab = self.tab(f"#lattice=fcc&resolution=20&{words}")
+                self.drop(tab, "a.obj", obj.read_bytes())
+                self.assertEqual(self.shown(tab)["digest"], direct["digest"])
+                self.assertEqual(self.shown(self.repeated(tab))["digest"], direct["digest"])
+
+    def test_every_field_is_in_the_files_as_the_tool_has_it(self):
+        data = self.bodies()
+        nearest = "distance,material,triangle,point,normal"
+        for words, options in (
+            (f"set=supercover-solid&labels=material&fields={nearest},fraction,label_fractions&fraction-n=4&signed=yes",
+             ["--set", "supercover-solid", "--labels", "material", "--signed",
+              "--fields", f"{nearest},fraction:4,label_fractions:4"]),
+            ("set=interior&k=1&fields=links,link_triangles,link_crossings",
+             ["--set", "interior", "--separability", 1, "--fields", "links,link_triangles,link_crossings"]),
+        ):  # fmt: skip
+            with self.subTest(words):
+                self.direct(self.dir / "a.obj", "--resolution", 20, *options)
+                self.direct(self.dir / "a.obj", "--resolution", 20, *options, out="direct.npz")
+                tab = self.tab(f"#resolution=20&{words}")
+                self.drop(tab, "a.obj", data)
+                self.shown(tab)
+                self.assert_csv(tab)
+                self.assert_npz(tab)
+                again = self.repeated(tab)
+                self.shown(again)
+                self.assert_csv(again)
+        self.picture(tab, "links")
+
+    def test_the_viewer_shows_fractions_labels_and_signs(self):
+        fields = "distance,fraction,label_fractions"
+        tab = self.tab(f"#resolution=20&set=supercover-solid&labels=material&signed=yes&fields={fields}")
+        self.drop(tab, "a.obj", self.bodies())
+        self.shown(tab)
+        paints = "[...document.getElementById('viewer').contentDocument.querySelectorAll('#by option')]"
+        names = tab.run(f"{paints}.map(({{ innerText }}) => innerText)")
+        self.assertLessEqual({"fraction", "fraction_0", "fraction_1", "distance", "material"}, set(names))
+        self.assertFalse({"point", "normal"} & set(names))
+        self.picture(tab, "fractions")
+
+    def test_a_wrong_link_is_an_error_until_the_form_is_sent(self):
+        data = write_obj(self.dir / "a.obj", self.mesh).read_bytes()
+        plain = self.direct(self.dir / "a.obj", "--resolution", 64)["digest"]
+        tab = self.tab()
+        for words, message in WRONG.items():
+            with self.subTest(words):
+                tab.run(f"location.hash = '{words}'")
+                tab.rest()
+                told = self.error(tab)
+                self.assertIn(f"The address is wrong. {message}", told)
+                self.drop(tab, "a.obj", data)
+                self.assertEqual(self.error(tab), told)
+                self.assertTrue(tab.run("document.getElementById('result').hidden"))
+        tab.run("location.hash = 'k=7'")
+        tab.rest()
+        self.submit(tab)
+        self.assertEqual(self.shown(tab)["digest"], plain)
+        self.assertIn("k=0", tab.run("location.hash"))
+
+    def test_a_wrong_value_in_the_form_is_an_error(self):
+        tab = self.tab("#resolution=20")
+        self.drop(tab, "a.stl", stl(self.mesh))
+        self.put(tab, "resolution", 99999)
+        self.submit(tab)
+        self.assertEqual(self.error(tab), 'resolution: "99999" is not a whole number from 2 to 65536')
+        self.put(tab, "resolution", 20)
+        self.put(tab, "set", "band")
+        self.put(tab, "width", 300)
+        self.submit(tab)
+        self.assertEqual(self.error(tab), 'width: "300" is not a number from 0.001 to 256')
+        self.assertEqual(tab.run("document.activeElement.name"), "width")
+        self.put(tab, "set", "solid")
+        self.put(tab, "labels", "material")
+        self.submit(tab)
+        self.assertEqual(self.error(tab), 'labels: "material" is not in a.stl, which has part')
+        self.put(tab, "labels", "none")
+        self.submit(tab)
+        self.shown(tab)
+
+    def test_only_settings_that_count_are_offered(self):
+        tab = self.tab("#resolution=20&k=1")
+        self.drop(tab, "a.stl", stl(self.mesh))
+        self.assertTrue(self.is_hidden(tab, "force-open"))
+        self.put(tab, "set", "interior")
+        self.assertTrue(self.is_hidden(tab, "k"))
+        self.assertTrue(self.is_hidden(tab, "verify"))
+        self.assertFalse(self.is_hidden(tab, "force-open"))
+        self.submit(tab)
+        self.shown(tab)
+        tab.run("document.querySelector('[value=links]').click()")
+        self.assertFalse(self.is_hidden(tab, "k"))
+
+    def test_an_open_mesh_has_ways_to_fill_it(self):
+        vertices, triangles = self.mesh
+        path = write_obj(self.dir / "a.obj", (vertices, triangles[1:]))
+        tab = self.tab("#resolution=20&set=solid")
+        self.drop(tab, "a.obj", path.read_bytes())
+        self.assertIn("force_open fills the others", self.error(tab))
+        forced = "document.querySelector('[name=force-open]')"
+        self.assertGreater(tab.run(f"{forced}.getBoundingClientRect().height"), 0)
+        tab.run(f"{forced}.click()")
+        self.submit(tab)
+        filled = self.direct(path, "--resolution", 20, "--set", "solid", "--force-open")["digest"]
+        self.assertEqual(self.shown(tab)["digest"], filled)
+        self.put(tab, "set", "enclosed")
+        self.put(tab, "close", 20)
+        self.submit(tab)
+        closed = self.direct(path, "--resolution", 20, "--set", "enclosed", "--close", 20)["digest"]
+        self.assertEqual(self.shown(tab)["digest"], closed)
+        self.put(tab, "set", "region")
+        self.put(tab, "close", 0)
+        self.put(tab, "seed", "0,0,0")
+        tab.run("document.getElementById('more').open = false")
+        self.submit(tab)
+        self.assertIn("allow_outside", self.error(tab))
+        self.assertTrue(tab.run("document.getElementById('more').open"))
+
+    def test_a_damaged_file_is_named_with_the_reason(self):
+        obj = write_obj(self.dir / "a.obj", self.mesh).read_bytes()
+        tab = self.tab("#resolution=20")
+        for name, data, reason in (
+            ("e.stl", b"no mesh", "the file is damaged"),
+            ("e.stl", stl(self.mesh)[:-20], "the file is damaged"),
+            ("e.stl", b"solid", "the file is damaged"),
+            ("e.ply", ply(self.mesh)[:30], ""),
+            ("e.ply", b"no mesh", ""),
+            ("e.ply", ply(self.mesh)[:-8], "the file has 8 faces, and only 7 triangles can be read"),
+            ("e.ply", ply((self.mesh[0], [])), "the file has no triangles"),
+            ("e.obj", b"v 0 0 0\n", "the file has no triangles"),
+            ("e.obj", obj.replace(b"f 1 ", b"f 99 "), "vertex 0 is not finite"),
+            ("e.glb", b"glTF", ""),
+            ("e.gltf", b"{", ""),
+            ("e.gltf", b'{"asset": {"version": "2.0"}}', "the file has no scene"),
+            ("e.xyz", obj, "the file is none of .stl, .ply, .obj, .glb, .gltf"),
+            ("e", obj, "the file is none of .stl"),
+        ):
+            with self.subTest(name=name, data=data[:20]):
+                self.drop(tab, name, data)
+                told = self.error(tab)
+                self.assertTrue(told.startswith(f"{name}: {reason}"), told)
+                self.assertGreater(len(told), len(name) + 8)
+        tab.complaints()
+
+    def test_all_settings_fit_on_a_phone(self):
+        words = "resolution=20&set=solid&fields=distance,fraction&signed=yes&rule=parity"
+        tab = self.tab(f"#{words}", width=390, height=844, phone=True)
+        self.drop(tab, "a.stl", stl(self.mesh))
+        self.shown(tab)
+        self.assertTrue(tab.run("document.getElementById('more').open"), "the link sets what is in there")
+        self.assertLessEqual(tab.run("document.documentElement.scrollWidth"), 390)
+        for theme in ("light", "dark"):
+            self.theme(tab, theme)
+            self.picture(tab, f"phone-settings-{theme}")
+        tab.resize(1280, 800)
+        self.picture(tab, "desktop-settings-dark")
+
+
+if __name__ == "__main__":
+    unittest.main()
