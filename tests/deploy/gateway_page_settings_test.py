@@ -146,6 +146,23 @@ class PageSettings(PageCase):
         self.assertEqual(self.shown(tab)["digest"], plain)
         self.assertIn("k=0", tab.run("location.hash"))
 
+    def test_a_changed_address_is_taken_with_the_mesh_that_was_dropped(self):
+        path = self.dir / "a.ply"
+        path.write_bytes(ply(self.mesh))
+        tab = self.tab("#resolution=20")
+        self.drop(tab, "a.ply", path.read_bytes())
+        self.shown(tab)
+        tab.run("location.hash = location.hash.replace('k=0', 'k=2')")
+        tab.rest()
+        self.assertEqual(
+            self.shown(tab)["digest"], self.direct(path, "--resolution", 20, "--separability", 2)["digest"]
+        )
+        self.assertEqual(tab.run("document.getElementById('facts').innerText"), "8 triangles")
+        tab.run("location.hash = 'resolution=500&set=supercover&k=7'")
+        tab.rest()
+        self.assertIn('k: "7" is not one of 0, 1, 2', self.error(tab))
+        self.assertEqual(tab.run("document.getElementById('cancel').hidden"), True)
+
     def test_a_wrong_value_in_the_form_is_an_error(self):
         tab = self.tab("#resolution=20")
         self.drop(tab, "a.stl", stl(self.mesh))

@@ -221,6 +221,9 @@ function saveJson() {
 
 // Takes the request of the address.
 function restore() {
+  state.job?.cancel();
+  state.job = null;
+  setRunning(false);
   const token = byId('token').value;
   form.reset();
   byId('token').value = token;
@@ -230,7 +233,8 @@ function restore() {
   const folded = [...byId('more').querySelectorAll('[name]')].filter(({ name }) => name in given);
   byId('more').open = folded.some(({ type, checked }) => type !== 'checkbox' || checked);
   adapt();
-  if (mesh !== null) show(mesh);
+  // A mesh that was dropped has its bytes and textures.
+  if (mesh !== null) show(mesh.sha256 === state.mesh?.sha256 ? state.mesh : mesh);
   if (fault !== null) sayFault();
   else if (mesh !== null) run();
 }
