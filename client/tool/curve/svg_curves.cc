@@ -13,10 +13,10 @@
 #include "absl/container/flat_hash_map.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_split.h"
 #include "absl/strings/strip.h"
 #include "client/tool/curve/svg_path.h"
 #include "client/tool/curve/svg_shapes.h"
+#include "client/tool/curve/svg_style.h"
 #include "client/tool/curve/svg_transform.h"
 #include "client/tool/curve/svg_viewport.h"
 
@@ -39,17 +39,20 @@ class SvgReader {
 
   absl::StatusOr<std::vector<Polyline>> Read() {
     pugi::xml_document document;
-    const pugi::xml_parse_result result = document.load_buffer(text_.data(), text_.size());
+    const pugi::xml_parse_result result =
+        document.load_buffer(text_.data(), text_.size(), pugi::parse_default | pugi::parse_pi);
     if (!result) {
       return absl::InvalidArgumentError(
           absl::StrCat("line ", LineAt(result.offset), ": is not XML (", result.description(), ")"));
     }
     const pugi::xml_node root = document.document_element();
     if (NameOf(root) != "svg") return Error(root, "is not svg, the root of a drawing");
-    FindIds(root);
-    Place place{{}, RootViewport(root), 0};
-    if (auto status = ReadTransform(root, place.transform); !status.ok()) return status;
-    if (auto status = ReadChildren(root, place); !status.ok()) return status;
+    if (auto status = ApplyStyles(document, root); !status.ok()) return status;
+    Place place{{}, RootViewport(root)};
+    if (!IsHidden(root)) {
+      if (auto status = ReadTransform(root, place); !status.ok()) return status;
+      if (auto status = ReadChildren(root, place); !status.ok()) return status;
+    }
     return FlattenAll();
   }
 
@@ -61,10 +64,10 @@ class SvgReader {
     return 1 + static_cast<size_t>(std::count(text_.begin(), text_.begin() + end, '\n'));
   }
 
-  // The first element with an ID counts.
-  void FindIds(const pugi::xml_node& root) {
+  static std::vector<pugi::xml_node> AllElements(const pugi::xml_node& root) {
+    std::vector<pugi::xml_node> elements;
     for (pugi::xml_node node = root; node;) {
-      if (const char* const id = node.attribute("id").value(); *id != '\0') ids_.try_emplace(id, node);
+      if (node.type() == pugi::node_element) elements.push_back(node);
       if (node.first_child()) {
         node = node.first_child();
         continue;
@@ -72,6 +75,27 @@ class SvgReader {
       while (node && node != root && !node.next_sibling()) node = node.parent();
       node = node == root ? pugi::xml_node() : node.next_sibling();
     }
+    return elements;
+  }
+
+  // Finds IDs, too: the first element with an ID counts.
+  absl::Status ApplyStyles(const pugi::xml_document& document, const pugi::xml_node& root) {
+    for (const pugi::xml_node& node : document.children()) {
+      if (node.type() == pugi::node_pi && absl::string_view(node.name()) == "xml-stylesheet") {
+        return Error(root, "has a style sheet of its own file, which is not read; write it into <style>");
+      }
+    }
+    const std::vector<pugi::xml_node> elements = AllElements(root);
+    SvgStyles styles;
+    for (const pugi::xml_node& node : elements) {
+      if (const char* const id = node.attribute("id").value(); *id != '\0') ids_.try_emplace(id, node);
+      if (NameOf(node) != "style") continue;
+      if (auto status = styles.AddSheet(node); !status.ok()) return Error(node, status.message());
+    }
+    for (const pugi::xml_node& node : elements) {
+      if (auto status = styles.Apply(node, NameOf(node)); !status.ok()) return Error(node, status.message());
+    }
+    return absl::OkStatus();
   }
 
   template <class... Parts>
@@ -80,30 +104,46 @@ class SvgReader {
         absl::StrCat("line ", LineAt(node.offset_debug()), ": <", node.name(), "> ", parts...));
   }
 
-  absl::Status ReadTransform(const pugi::xml_node& node, Affine& transform) const {
-    const auto own = ParseTransforms(node.attribute("transform").value());
-    if (!own.ok()) return Error(node, own.status().message());
-    transform = Compose(transform, *own);
-    return absl::OkStatus();
-  }
-
-  static bool IsHidden(const pugi::xml_node& node) {
-    if (absl::StripAsciiWhitespace(node.attribute("display").value()) == "none") return true;
-    for (const absl::string_view rule : absl::StrSplit(node.attribute("style").value(), ';')) {
-      const std::pair<absl::string_view, absl::string_view> pair = absl::StrSplit(rule, absl::MaxSplits(':', 1));
-      if (absl::StripAsciiWhitespace(pair.first) == "display" && absl::StripAsciiWhitespace(pair.second) == "none") {
-        return true;
-      }
-    }
-    return false;
-  }
-
   // The state that an element inherits.
   struct Place {
     Affine transform = {};
     Viewport viewport = {};
+    bool is_visible = true;
     int depth = 0;
   };
+
+  // Appends the element's transform to that of its place.
+  absl::Status ReadTransform(const pugi::xml_node& node, Place& place) const {
+    const absl::string_view transforms = node.attribute("transform").value();
+    if (transforms.empty()) return absl::OkStatus();
+    const auto own = ParseTransforms(transforms, place.viewport);
+    if (!own.ok()) return Error(node, own.status().message());
+    const absl::string_view box = absl::StripAsciiWhitespace(node.attribute("transform-box").value());
+    if (!box.empty() && box != "view-box") {
+      return Error(node, "has transform-box \"", box, "\"; only view-box, the default, is read");
+    }
+    Vec2d origin{};
+    if (const pugi::xml_attribute attribute = node.attribute("transform-origin")) {
+      const auto given = ParseOrigin(attribute.value(), place.viewport);
+      if (!given.ok()) return Error(node, given.status().message());
+      origin = *given;
+    }
+    const Affine around =
+        Compose(Compose(Translation(origin[0], origin[1]), *own), Translation(-origin[0], -origin[1]));
+    place.transform = Compose(place.transform, around);
+    return absl::OkStatus();
+  }
+
+  static bool IsHidden(const pugi::xml_node& node) {
+    return absl::EqualsIgnoreCase(absl::StripAsciiWhitespace(node.attribute("display").value()), "none");
+  }
+
+  // An element may be visible in one that is not.
+  static void ReadVisibility(const pugi::xml_node& node, Place& place) {
+    const absl::string_view word = absl::StripAsciiWhitespace(node.attribute("visibility").value());
+    if (absl::EqualsIgnoreCase(word, "visible")) place.is_visible = true;
+    if (absl::EqualsIgnoreCase(word, "hidden") || absl::EqualsIgnoreCase(word, "collapse")) place.is_visible = false;
+  }
 
   absl::Status ReadChildren(const pugi::xml_node& node, const Place& place) {
     for (const pugi::xml_node& child : node.children()) {
@@ -113,13 +153,16 @@ class SvgReader {
     return absl::OkStatus();
   }
 
-  // Counts an element, and each use of one.
+  // Counts an element, and each use of one, and takes it into its place.
   absl::Status Enter(const pugi::xml_node& node, Place& place) {
     if (++place.depth > kMaxDepth) {
       return Error(node, "is nested ", place.depth, " levels deep; the limit is ", kMaxDepth);
     }
-    if (++elements_ <= kMaxElements) return absl::OkStatus();
-    return Error(node, "exceeds the limit of ", kMaxElements, " elements, uses included");
+    if (++elements_ > kMaxElements) {
+      return Error(node, "exceeds the limit of ", kMaxElements, " elements, uses included");
+    }
+    ReadVisibility(node, place);
+    return ReadTransform(node, place);
   }
 
   absl::Status ReadElement(const pugi::xml_node& node, Place place) {
@@ -128,7 +171,6 @@ class SvgReader {
       return absl::OkStatus();
     }
     if (auto status = Enter(node, place); !status.ok()) return status;
-    if (auto status = ReadTransform(node, place.transform); !status.ok()) return status;
     if (name == "g" || name == "a") return ReadChildren(node, place);
     if (name == "switch") return ReadSwitch(node, place);
     if (name == "use") return ReadUse(node, place);
@@ -157,8 +199,8 @@ class SvgReader {
     if (auto status = MoveTo(node, place); !status.ok()) return status;
     const absl::string_view name = NameOf(found->second);
     if (name != "symbol" && name != "svg") return ReadElement(found->second, place);
-    if (auto status = ReadTransform(found->second, place.transform); !status.ok()) return status;
-    if (auto status = Enter(node, place); !status.ok()) return status;
+    if (IsHidden(found->second)) return absl::OkStatus();
+    if (auto status = Enter(found->second, place); !status.ok()) return status;
     return ReadNested(found->second, node, place);
   }
 
@@ -221,6 +263,7 @@ class SvgReader {
     if (auto status = AppendShape(node, name, place.viewport, outlines_); !status.ok()) {
       return Error(node, status.message());
     }
+    if (!place.is_visible) outlines_.resize(first);
     for (size_t n = first; n < outlines_.size(); ++n) {
       outlines_[n].start = place.transform(outlines_[n].start);
       for (OutlinePiece& piece : outlines_[n].pieces) {

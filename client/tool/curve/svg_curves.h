@@ -17,11 +17,12 @@ inline constexpr double kFlatness = 1.0 / 65536;
 // Reads the outlines of all shapes: polyline, polygon, line, rect, circle, ellipse and path (see
 // client/tool/curve/svg_path.h), within g, a, switch, svg, and by use, with their transforms and lengths. World
 // coordinates are the numbers of the drawing, y downwards: width, height and viewBox of the root only tell what
-// percentages mean. Colors, strokes and clips are ignored. Elements are skipped that are hidden by display="none" or
-// style="display:none", that draw nothing (such as defs), and those of other namespaces.
+// percentages mean. Attributes, the attribute `style` and style sheets give the values: see client/tool/curve/css.h.
+// Colors, strokes and clips are ignored. Elements are skipped that `display` or `visibility` hides, that draw nothing
+// (such as defs), and those of other namespaces.
 // Errors: INVALID_ARGUMENT naming line and element: not XML; text, an image or any other element; a transform, path
-// command or unit that SVG does not have; a unit of fonts; a number that is not finite; more than a million elements or
-// ten million pieces.
+// command or unit that SVG does not have; a number that is not finite; more than a million elements or ten million
+// pieces. Styles add what css.h refuses, units of fonts and windows, and a transform-box other than view-box.
 absl::StatusOr<std::vector<Polyline>> ParseSvg(absl::string_view text);
 
 }  // namespace latvox::client

@@ -7,8 +7,8 @@
 
 #include "absl/status/status.h"
 #include "absl/strings/string_view.h"
+#include "client/tool/curve/svg_length.h"
 #include "client/tool/curve/svg_path.h"
-#include "client/tool/curve/svg_viewport.h"
 
 namespace latvox::client {
 

@@ -1,11 +1,16 @@
 #include "client/tool/curve/svg_transform.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <string>
+#include <utility>
 
 #include "absl/strings/ascii.h"
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/strip.h"
 #include "client/tool/curve/scan.h"
 
 namespace latvox::client {
@@ -24,19 +29,91 @@ Affine Rotation(double degrees) {
   return {cos, sin, -sin, cos, 0, 0};
 }
 
+Affine Skew(double along_x, double along_y) {
+  return {1, std::tan(Radians(along_y)), std::tan(Radians(along_x)), 1, 0, 0};
+}
+
 // Returns nothing for an unknown name, or one that needs another number of numbers.
+//   name   in lower case
 std::optional<Affine> TransformOf(absl::string_view name, const std::vector<double>& n) {
-  const bool one_or_two = n.size() == 1 || n.size() == 2;
-  if (name == "translate" && one_or_two) return Translation(n[0], n.size() == 2 ? n[1] : 0);
+  const bool one = n.size() == 1, one_or_two = one || n.size() == 2;
+  if (name == "translate" && one_or_two) return Translation(n[0], one ? 0 : n[1]);
+  if (name == "translatex" && one) return Translation(n[0], 0);
+  if (name == "translatey" && one) return Translation(0, n[0]);
   if (name == "scale" && one_or_two) return Affine{n[0], 0, 0, n.back(), 0, 0};
-  if (name == "rotate" && n.size() == 1) return Rotation(n[0]);
+  if (name == "scalex" && one) return Affine{n[0], 0, 0, 1, 0, 0};
+  if (name == "scaley" && one) return Affine{1, 0, 0, n[0], 0, 0};
+  if (name == "rotate" && one) return Rotation(n[0]);
   if (name == "rotate" && n.size() == 3) {
     return Compose(Compose(Translation(n[1], n[2]), Rotation(n[0])), Translation(-n[1], -n[2]));
   }
-  if (name == "skewX" && n.size() == 1) return Affine{1, 0, std::tan(Radians(n[0])), 1, 0, 0};
-  if (name == "skewY" && n.size() == 1) return Affine{1, std::tan(Radians(n[0])), 0, 1, 0, 0};
+  if (name == "skew" && one_or_two) return Skew(n[0], one ? 0 : n[1]);
+  if (name == "skewx" && one) return Skew(n[0], 0);
+  if (name == "skewy" && one) return Skew(0, n[0]);
   if (name == "matrix" && n.size() == 6) return Affine{n[0], n[1], n[2], n[3], n[4], n[5]};
   return std::nullopt;
+}
+
+// Degrees in one.
+constexpr std::pair<absl::string_view, double> kAngles[] = {
+    {"", 1}, {"deg", 1}, {"grad", 0.9}, {"rad", 180 / std::numbers::pi}, {"turn", 360}};
+
+bool ReadAngle(absl::string_view text, double& degrees) {
+  if (!ReadDecimal(text, degrees)) return false;
+  for (const auto& [unit, factor] : kAngles) {
+    if (!absl::EqualsIgnoreCase(text, unit)) continue;
+    degrees *= factor;
+    return true;
+  }
+  return false;
+}
+
+// Returns the place of the parenthesis that closes the one before `text`, or npos.
+size_t FindClose(absl::string_view text) {
+  size_t depth = 0;
+  for (size_t at = 0; at < text.size(); ++at) {
+    if (text[at] == '(') ++depth;
+    if (text[at] == ')' && depth-- == 0) return at;
+  }
+  return absl::string_view::npos;
+}
+
+// Removes and returns what is before the first white space or comma outside of parentheses.
+absl::string_view TakeArgument(absl::string_view& rest) {
+  size_t depth = 0, at = 0;
+  for (; at < rest.size(); ++at) {
+    const char c = rest[at];
+    if (depth == 0 && (c == ',' || absl::ascii_isspace(static_cast<unsigned char>(c)))) break;
+    if (c == '(') ++depth;
+    if (c == ')' && depth > 0) --depth;
+  }
+  const absl::string_view argument = rest.substr(0, at);
+  rest.remove_prefix(at);
+  return argument;
+}
+
+// Reads the arguments of a transform as numbers, user units or degrees.
+bool ReadArguments(absl::string_view name, absl::string_view rest, const Viewport& viewport,
+                   std::vector<double>& numbers) {
+  if (ParseNumbers(rest, numbers)) return true;
+  numbers.clear();
+  const bool turns = name == "rotate";
+  for (SkipSpace(rest); !rest.empty(); SkipSeparator(rest)) {
+    absl::string_view argument = TakeArgument(rest);
+    const size_t n = numbers.size();
+    double& number = numbers.emplace_back();
+    if (absl::StartsWith(name, "skew") || (turns && n == 0)) {
+      if (!ReadAngle(argument, number)) return false;
+    } else if (absl::StartsWith(name, "translate") || turns) {
+      const auto length =
+          ParseLength(argument, name == "translatey" || n % 2 == (turns ? 0 : 1) ? Along::kY : Along::kX, viewport);
+      if (!length.ok()) return false;
+      number = *length;
+    } else if (!ReadDecimal(argument, number) || !argument.empty()) {
+      return false;
+    }
+  }
+  return true;
 }
 
 }  // namespace
@@ -49,25 +126,56 @@ Affine Compose(const Affine& outer, const Affine& inner) {
   return {i[0], i[1], j[0], j[1], o[0], o[1]};
 }
 
-absl::StatusOr<Affine> ParseTransforms(absl::string_view text) {
+absl::StatusOr<Affine> ParseTransforms(absl::string_view text, const Viewport& viewport) {
   Affine transform;
+  if (absl::EqualsIgnoreCase(absl::StripAsciiWhitespace(text), "none")) return transform;
   for (absl::string_view rest = text; SkipSeparator(rest), !rest.empty();) {
-    const size_t open = rest.find('('), close = rest.find(')');
+    const size_t open = std::min(rest.find('('), rest.size() - 1);
+    const absl::string_view inside = rest.substr(open + 1);
+    const size_t close = FindClose(inside);
+    const std::string name = absl::AsciiStrToLower(absl::StripAsciiWhitespace(rest.substr(0, open)));
     std::vector<double> numbers;
     std::optional<Affine> one;
-    if (open < close && close != absl::string_view::npos &&
-        ParseNumbers(rest.substr(open + 1, close - open - 1), numbers)) {
-      one = TransformOf(absl::StripAsciiWhitespace(rest.substr(0, open)), numbers);
+    if (close != absl::string_view::npos && ReadArguments(name, inside.substr(0, close), viewport, numbers)) {
+      one = TransformOf(name, numbers);
     }
     if (!one) {
       return absl::InvalidArgumentError(
           absl::StrCat("transform \"", rest, "\" does not begin with translate(x,y), scale(x,y), rotate(angle,x,y), ",
-                       "skewX(angle), skewY(angle) or matrix(6)"));
+                       "skewX(angle), skewY(angle) or matrix(6), with lengths and angles in units of the plane"));
     }
     transform = Compose(transform, *one);
-    rest.remove_prefix(close + 1);
+    rest = inside.substr(close + 1);
   }
   return transform;
+}
+
+absl::StatusOr<Vec2d> ParseOrigin(absl::string_view text, const Viewport& viewport) {
+  std::vector<std::string> words;
+  for (absl::string_view rest = absl::StripAsciiWhitespace(text); !rest.empty(); SkipSpace(rest)) {
+    words.push_back(absl::AsciiStrToLower(TakeArgument(rest)));
+    if (words.back().empty() || words.size() > 3) break;
+  }
+  const auto refusal = [&](absl::string_view why) {
+    return absl::InvalidArgumentError(absl::StrCat("transform-origin \"", text, "\" ", why));
+  };
+  // A third one is a depth, which does not matter in the plane.
+  if (words.empty() || words.size() > 3 || words.back().empty()) return refusal("is not one or two lengths");
+  words.resize(2, "center");
+  const auto is_of_y = [](absl::string_view word) { return word == "top" || word == "bottom"; };
+  const auto is_of_x = [](absl::string_view word) { return word == "left" || word == "right"; };
+  if (is_of_y(words[0]) || is_of_x(words[1])) std::swap(words[0], words[1]);
+  Vec2d origin{};
+  for (size_t m = 0; m < 2; ++m) {
+    std::string word = words[m];
+    if (word == "center") word = "50%";
+    if (m == 0 ? word == "left" : word == "top") word = "0";
+    if (m == 0 ? word == "right" : word == "bottom") word = "100%";
+    const auto length = ParseLength(word, m == 0 ? Along::kX : Along::kY, viewport);
+    if (!length.ok()) return refusal(length.status().message());
+    origin[m] = *length;
+  }
+  return origin;
 }
 
 bool ParseNumbers(absl::string_view text, std::vector<double>& numbers) {

@@ -6,6 +6,7 @@
 
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
+#include "client/tool/curve/svg_length.h"
 #include "latvox/plane_types.h"
 
 namespace latvox::client {
@@ -22,9 +23,14 @@ Affine Translation(double x, double y);
 // Returns the transform that applies `inner` first, then `outer`.
 Affine Compose(const Affine& outer, const Affine& inner);
 
-// Reads a list of translate, scale, rotate, skewX, skewY and matrix; angles are degrees. Multiples of 90 degrees are
-// exact. Errors: INVALID_ARGUMENT naming the text.
-absl::StatusOr<Affine> ParseTransforms(absl::string_view text);
+// Reads a list of the plane transforms of SVG and CSS: translate, scale, rotate, skew and matrix, also along one axis.
+// Lengths and angles may have units; without one, they are user units and degrees. Multiples of 90 degrees are exact.
+// Errors: INVALID_ARGUMENT naming the text.
+//   viewport   what percentages refer to
+absl::StatusOr<Affine> ParseTransforms(absl::string_view text, const Viewport& viewport);
+
+// Reads a transform-origin, the fixed point of the transforms. Errors: INVALID_ARGUMENT naming the text.
+absl::StatusOr<Vec2d> ParseOrigin(absl::string_view text, const Viewport& viewport);
 
 // Reads all numbers of a list separated by white space or commas. Returns false at anything else.
 bool ParseNumbers(absl::string_view text, std::vector<double>& numbers);
