@@ -8,6 +8,7 @@ import subprocess
 import unittest
 
 import nibabel
+import meshio
 import numpy
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkFiltersGeneral import vtkCellValidator
@@ -238,6 +239,26 @@ class Science(Case):
                     self.assertEqual(set(self.filtered(vtkCellValidator(), grid)["ValidityState"]), {0})
                 info = json.loads(latvox("info", "--json", self.dir / "a.cells.vtu").stdout)
                 self.assertEqual(info["voxels"], self.summary["voxels"])
+
+    def test_meshio_reads_points_and_cells_of_every_lattice(self):
+        for name, options in LATTICES.items():
+            with self.subTest(name):
+                self.write(BUNNY, [".vtu", ".cells.vtu"], *options, "--fields", "part,normal")
+                table = numpy.genfromtxt(self.dir / "a.csv", delimiter=",", names=True)
+                centers = numpy.c_[table["x"], table["y"], table["z"]]
+                ijk = numpy.c_[table["i"], table["j"], table["k"]]
+                points, cells = (meshio.read(self.dir / f"a{extension}") for extension in (".vtu", ".cells.vtu"))
+                numpy.testing.assert_array_equal(points.points, centers)
+                block = cells.cells[0]
+                self.assertEqual((len(cells.cells), len(block.data)), (1, len(centers)))
+                if block.type == "hexahedron":
+                    numpy.testing.assert_allclose(cells.points[block.data].mean(axis=1), centers, atol=1e-9)
+                else:
+                    self.assertEqual(block.type, f"polyhedron{len(cells.points) // len(centers)}")
+                for data in (points.point_data, {key: values[0] for key, values in cells.cell_data.items()}):
+                    numpy.testing.assert_array_equal(data["ijk"], ijk)
+                    numpy.testing.assert_array_equal(data["part"], table["part"])
+                    numpy.testing.assert_allclose(data["normal"], numpy.c_[table["nx"], table["ny"], table["nz"]], rtol=1e-6)
 
     def check_convex(self, cell):
         """Each face is plane, and no corner is before it."""

@@ -13,7 +13,9 @@ namespace {
 
 constexpr uint64_t kBlock = uint64_t{1} << 20;
 
-// Returns everything before the appended data. The length does not depend on the offsets.
+// Returns everything before the appended data. The length does not depend on the offsets: spaces follow a short one,
+// because meshio finds no array by an offset with leading zeros. It also expects that single components go without
+// saying.
 //   offsets   of each array from the first byte of the data on
 std::string Head(const VtkFile& vtk, const std::vector<uint64_t>& offsets) {
   std::string head = absl::StrCat("<?xml version=\"1.0\"?>\n<VTKFile type=\"", vtk.kind,
@@ -24,10 +26,10 @@ std::string Head(const VtkFile& vtk, const std::vector<uint64_t>& offsets) {
   for (const VtkSection& section : vtk.sections) {
     absl::StrAppend(&head, "<", section.name, ">\n");
     for (const VtkArray& array : section.arrays) {
-      absl::StrAppendFormat(&head,
-                            "<DataArray type=\"%s\" Name=\"%s\" NumberOfComponents=\"%d\" format=\"appended\" "
-                            "offset=\"%020d\"/>\n",
-                            array.type, array.name, array.components, *offset++);
+      const std::string components =
+          array.components == 1 ? "" : absl::StrCat(" NumberOfComponents=\"", array.components, "\"");
+      absl::StrAppendFormat(&head, "<DataArray type=\"%s\" Name=\"%s\"%s format=\"appended\" offset=%-22s/>\n",
+                            array.type, array.name, components, absl::StrCat("\"", *offset++, "\""));
     }
     absl::StrAppend(&head, "</", section.name, ">\n");
   }
