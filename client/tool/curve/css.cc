@@ -15,7 +15,7 @@
 namespace latvox::client {
 namespace {
 
-constexpr absl::string_view kLengths[] = {"x", "y", "width", "height", "cx", "cy", "r", "rx", "ry"};
+constexpr absl::string_view kLengthProperties[] = {"x", "y", "width", "height", "cx", "cy", "r", "rx", "ry"};
 constexpr absl::string_view kOthers[] = {"d",       "transform", "transform-origin", "transform-box",
                                          "display", "visibility"};
 
@@ -149,7 +149,7 @@ absl::Status CheckValue(absl::string_view rule, CssDeclaration& declaration) {
       (lower == "inherit" && declaration.name != "visibility")) {
     return Bad(rule, "and the keyword ", lower, " is not read");
   }
-  const bool lacks_unit = Has(kLengths, declaration.name) ? LacksUnit(lower)
+  const bool lacks_unit = Has(kLengthProperties, declaration.name) ? LacksUnit(lower)
                           : declaration.name == "transform"
                               ? TransformLacksUnit(lower)
                               : declaration.name == "transform-origin" && OriginLacksUnit(lower);
@@ -270,7 +270,7 @@ absl::StatusOr<std::vector<CssDeclaration>> ParseDeclarations(absl::string_view 
     if (Has(kRefused, name) && !IsNeutral(name, absl::AsciiStrToLower(declaration.value))) {
       return Bad(rule, "and the property ", name, " is not read");
     }
-    if (!Has(kLengths, name) && !Has(kOthers, name)) continue;
+    if (!Has(kLengthProperties, name) && !Has(kOthers, name)) continue;
     if (auto status = CheckValue(rule, declaration); !status.ok()) return status;
     declarations.push_back(std::move(declaration));
   }
