@@ -17,11 +17,13 @@ export function csvOf(bricks, { origin, basis: [a, b, c] }, fields) {
     text = (value) => (Number.isNaN(value) ? 'nan' : value);
   let lines = [['i,j,k,x,y,z', ...fields.flatMap(({ columns }) => columns)].join()];
   forEachVoxel(bricks, (i, j, k, number) => {
-    const at = [0, 1, 2].map((m) => origin[m] + i * a[m] + j * b[m] + k * c[m]);
-    const carried = fields.flatMap(({ values, columns: { length } }) =>
-      Array.from(values.subarray(length * number, length * (number + 1)), text),
-    );
-    lines.push([i, j, k, ...at, ...carried].join());
+    const line = [i, j, k];
+    for (let m = 0; m < 3; ++m) line.push(origin[m] + i * a[m] + j * b[m] + k * c[m]);
+    for (const { values, columns } of fields) {
+      const end = columns.length * (number + 1);
+      for (let n = end - columns.length; n < end; ++n) line.push(text(values[n]));
+    }
+    lines.push(line.join());
     if (lines.length === LINES) {
       parts.push(`${lines.join('\n')}\n`);
       lines = [];
