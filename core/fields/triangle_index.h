@@ -98,7 +98,7 @@ class TriangleIndex {
   std::vector<uint32_t> order_;     // the triangles, kLeaf to a leaf
   size_t leaves_ = 1;               // a power of two
   UninitializedVector<Box> boxes_;  // node n has the children 2n and 2n + 1; leaves from leaves_ on; empty ones are far
-  // Of a node whose triangles all have the same numbers: one vertex. kMixed: they differ. kNone: it is empty.
+  // By node: a vertex with the numbers of all its triangles; kMixed if they differ; kNone if it is empty.
   std::vector<uint32_t> vertices_;
   std::span<const uint32_t> of_vertices_;
   size_t count_ = 0;

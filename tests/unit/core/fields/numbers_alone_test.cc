@@ -40,7 +40,7 @@ struct Numbering {
   std::vector<uint32_t> numbers;
 };
 
-// Of vertices that come three to a triangle, or four to a quad, so most triangles have one number.
+// Vertices come four to a quad, so most triangles have one number.
 std::vector<Numbering> Numberings(const TriangleMesh& mesh) {
   std::mt19937 random(3);
   std::vector<Numbering> all{{"one part", 1, {}}, {"bodies", 1, {}}, {"many parts", 1, {}}, {"random", 2, {}}};
