@@ -1,4 +1,4 @@
-// What the front of a part says: its metadata, and where its leaves lie. Internal to latvox::grid.
+// The front of a part: its metadata, and where its leaves lie. Internal to latvox::grid.
 #ifndef LATVOX_CLIENT_GRID_PART_FRAME_H_
 #define LATVOX_CLIENT_GRID_PART_FRAME_H_
 

@@ -20,7 +20,7 @@ struct Nearest {
   Vec3i point;     // the voxel's lattice point, local, in units
   bool is_inside;  // valid if FieldPlan::is_signed
   double square;   // of the distance, in units: the least TriangleDistance::SquareTo
-  // Of all triangles at the smallest distance: the first with an area, or if there is none, the first.
+  // The first triangle with an area at the smallest distance; the first of all if none has an area.
   uint32_t triangle;
   const TriangleDistance* shape;  // of that triangle
   // For each field of the mesh: the smallest number among the nearest corners of all triangles at that distance.

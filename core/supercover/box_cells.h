@@ -15,7 +15,7 @@
 // and g = edge x C, voxels have whole multiples of U as coordinates, so
 //   d = +-t                    only if n.v + (n_0 + n_1 + n_2) U/2 is a multiple of U
 //   edge function = -rim       only if g.v + (g_0 + g_1 + g_2) U/2 is a multiple of U
-// Of triangles in general position, one in 64 has such a sum. Dividing n and g by their common divisors first spares
+// One in 64 triangles in general position has such a sum. Dividing n and g by their common divisors first spares
 // most of the others. The remaining triangles are left to Supercover.
 #ifndef LATVOX_CORE_SUPERCOVER_BOX_CELLS_H_
 #define LATVOX_CORE_SUPERCOVER_BOX_CELLS_H_

@@ -1,5 +1,5 @@
-"""The settings of the gateway's page in Chromium: every set and field is that of the tool. What is wrong in a form, a link
-or a file is an error that says so."""
+"""The settings of the gateway's page in Chromium: every set and field is that of the tool. An error in a form, a link
+or a file is told with its reason."""
 
 import unittest
 

@@ -1,4 +1,4 @@
-// What a result is perhaps not, although there was no error.
+// Doubts about a result, although there was no error.
 #ifndef LATVOX_LATVOX_WARNING_H_
 #define LATVOX_LATVOX_WARNING_H_
 

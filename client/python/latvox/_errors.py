@@ -82,7 +82,7 @@ class DataLoss(Error):
 
 
 class VoxelizeWarning(UserWarning):
-    """What a result is perhaps not, although there was no error."""
+    """Doubts about a result, although there was no error."""
 
     def __init__(self, message: str, code: str, element: str) -> None:
         super().__init__(message)

@@ -102,7 +102,7 @@ class Cuts {
   }
 }
 
-// What the pointer is at.
+// The voxel at the pointer.
 class Hover {
   constructor(canvas, view) {
     Object.assign(this, { view, values: readValues(), found: null });
