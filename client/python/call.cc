@@ -99,7 +99,6 @@ absl::Status Call::Voxelize(Work& work) {
   if (absl::Status status = Align(options_, work.cancellation()); !status.ok()) return status;
   const auto files = RemoteFiles::Fetch(options_, call);
   if (!files.ok()) return files.status();
-  answer_->request = options_.request;
   answer_->output_options = options_.output_options;
   JobHooks hooks;
   hooks.connect = [this]() -> absl::StatusOr<const Client*> { return &session_->client(); };
@@ -107,7 +106,8 @@ absl::Status Call::Voxelize(Work& work) {
   hooks.on_progress = [&](double share, uint64_t) { work.Change([&] { progress_ = share; }); };
   hooks.say = [](const std::string&) {};  // the answer has all warnings
   hooks.read_mesh = read_mesh_;
-  hooks.receive = [&]() -> std::unique_ptr<Output> {
+  hooks.receive = [&](const VoxelizeRequest& request) -> std::unique_ptr<Output> {
+    answer_->request = request;
     if (streams_) return std::make_unique<Receiver>(*this, work);
     return std::make_unique<VoxelsOutput>(answer_);
   };

@@ -38,7 +38,7 @@ void BindVoxels(py::module_& module) {
       .def("fraction_labels", [](const Voxels& voxels) { return voxels.all.accepted.fraction_labels; })
       .def("index_box",
            [](const Voxels& voxels) -> std::optional<std::pair<Vec3i, Vec3i>> {
-             const auto& box = voxels.all.accepted.index_box;
+             const auto box = IndexBoxOf(voxels);
              return box ? std::optional(std::pair(box->min, box->max)) : std::nullopt;
            })
       .def(

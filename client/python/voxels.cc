@@ -67,17 +67,12 @@ py::array OfBricks(const SharedVoxels& voxels, std::array<T, N> Brick::*member) 
   return ReadOnly(py::array(py::dtype::of<T>(), shape, strides, (first->*member).data(), Owner(voxels)));
 }
 
-// Returns the box of all voxels with the call's shape, as files have it.
+// Returns the box of the voxels with the call's shape, as files have it.
 absl::StatusOr<IndexBox> BoxOf(const Voxels& voxels) {
   const BoxShape& shape = voxels.output_options.shape;
-  std::optional<IndexBox> box = voxels.all.accepted.index_box;
-  if (shape.dims) {
-    VoxelBox tight;
-    for (const Brick& brick : voxels.all.bricks) tight.Add(brick);
-    box = tight.box().value_or(IndexBox{});
-  }
-  if (!box) return IndexBox{};
-  absl::StatusOr<IndexBox> shaped = ShapedBox(*box, shape, "dense()");
+  const std::optional<IndexBox> box = IndexBoxOf(voxels);
+  if (!box && !shape.dims) return IndexBox{};
+  absl::StatusOr<IndexBox> shaped = ShapedBox(box.value_or(IndexBox{}), shape, "dense()");
   if (shaped.ok()) return shaped;
   return absl::Status(shaped.status().code(), WithKeywords(std::string{shaped.status().message()}));
 }
@@ -175,7 +170,7 @@ namespace {
 absl::Status Write(const Voxels& voxels, const VoxelizeOptions& options, const Cancellation& cancellation) {
   const auto files = RemoteFiles::Fetch(options, MakeCallOptions(options.server, cancellation));
   if (!files.ok()) return files.status();
-  const auto output = (*files)->Open(options.outputs.front());
+  const auto output = (*files)->Open(options.outputs.front(), voxels.request);
   if (!output.ok()) return output.status();
   (*output)->SetNames(voxels.names);
   if (absl::Status status = (*output)->Begin(voxels.all.accepted); !status.ok()) return (*files)->Named(status);

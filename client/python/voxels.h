@@ -45,11 +45,12 @@ using SharedVoxels = std::shared_ptr<Voxels>;
 // The arrays below that are views belong to the voxels and keep them alive. They are read-only.
 
 size_t CountVoxels(const Voxels& voxels);
-pybind11::array BrickIjk(const SharedVoxels& voxels);    // view, (b, 3) int32: ijk >> 3
-pybind11::array BrickMasks(const SharedVoxels& voxels);  // view, (b, 8) uint64: see Brick
-pybind11::array Ijk(const Voxels& voxels);               // copy, (n, 3) int32
-pybind11::array Points(const Voxels& voxels);            // copy, (n, 3) float64: world positions of centers
-pybind11::list FieldNames(const Voxels& voxels);         // of the fields that they carry
+std::optional<IndexBox> IndexBoxOf(const Voxels& voxels);  // the smallest box of the voxels
+pybind11::array BrickIjk(const SharedVoxels& voxels);      // view, (b, 3) int32: ijk >> 3
+pybind11::array BrickMasks(const SharedVoxels& voxels);    // view, (b, 8) uint64: see Brick
+pybind11::array Ijk(const Voxels& voxels);                 // copy, (n, 3) int32
+pybind11::array Points(const Voxels& voxels);              // copy, (n, 3) float64: world positions of centers
+pybind11::list FieldNames(const Voxels& voxels);           // of the fields that they carry
 pybind11::list NamesOfField(const Voxels& voxels, const std::string& field);  // by number; empty: there are none
 // Returns a view, (n,) or (n, components). Throws KeyError for a field that they do not carry.
 pybind11::array FieldArray(const SharedVoxels& voxels, const std::string& field);

@@ -41,7 +41,9 @@ class Npz(Case):
                 data = arrays["data"]
                 self.assertEqual((data.dtype, arrays["index_min"].dtype), (numpy.uint8, numpy.int32))
                 self.assertEqual({arrays[n].dtype for n in ("affine", "basis", "origin")}, {numpy.dtype("<f8")})
-                self.assertEqual(list(arrays), ["data", "index_min", "affine", "basis", "origin"])
+                self.assertEqual(list(arrays), ["data", "ijk", "index_min", "affine", "basis", "origin"])
+                self.assertEqual(arrays["ijk"].dtype, numpy.int32)
+                numpy.testing.assert_array_equal(arrays["ijk"], numpy.c_[table["i"], table["j"], table["k"]])
                 self.assertEqual(set(numpy.unique(data)), {0, 1})
                 self.check_places(arrays, table, data)
 
@@ -53,6 +55,19 @@ class Npz(Case):
             self.assertEqual(arrays["data"].shape, tuple(h - l for l, h in zip(low, high)))
             self.assertEqual(arrays["basis"].ravel().tolist(), summary["basis"])
             self.assertEqual(arrays["origin"].tolist(), summary["origin"])
+
+    def test_the_box_is_that_of_the_voxels(self):
+        for options in (["--set", "solid"], ["--set", "supercover"], ["--band", "1.5v"], ["--lattice", "bcc"],
+                        ["--region=0,0,0,9,9,9"], ["--pad", "3"]):  # fmt: skip
+            with self.subTest(options):
+                summary = self.voxelize(BUNNY, "--resolution", "20", *options, out="a.npz")
+                pad = 3 if "--pad" in options else 0
+                with numpy.load(self.dir / "a.npz") as arrays:
+                    ijk = arrays["ijk"]
+                    low, high = ijk.min(axis=0), ijk.max(axis=0) + 1
+                    self.assertEqual(summary["index_box"], {"min": low.tolist(), "max": high.tolist()})
+                    self.assertEqual(arrays["data"].shape, tuple(high - low + 2 * pad))
+                    self.assertEqual(arrays["index_min"].tolist(), (low - pad).tolist())
 
     def test_distances_are_an_array_of_their_own(self):
         arrays, table = self.write(BUNNY, "--resolution", "30", "--lattice", "bcc", "--band", "2v", "--signed")
@@ -98,7 +113,7 @@ class Npz(Case):
     def test_a_box_without_a_voxel_is_an_empty_array(self):
         self.voxelize(BUNNY, "--resolution", "20", "--region", "1000,0,0,1001,1,1", out="a.npz")
         with numpy.load(self.dir / "a.npz") as arrays:
-            self.assertEqual(int(arrays["data"].sum()), 0)
+            self.assertEqual((arrays["data"].shape, arrays["ijk"].shape), ((0, 0, 0), (0, 3)))
 
     def test_a_box_that_is_too_large_is_refused_and_leaves_the_old_file(self):
         (self.dir / "a.npz").write_text("old")

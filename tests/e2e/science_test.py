@@ -295,11 +295,44 @@ class Science(Case):
         self.assertRegex(done.stderr, r"b.nrrd: --dims: 9 along k is less than the \d+ points that the voxels take")
         self.assertFalse((self.dir / "b.nrrd").exists())
 
+    def test_dims_choose_the_greatest_resolution_that_fits(self):
+        cube = write_obj(self.dir / "cube.obj", box((0, 0, 0), (1, 1, 1)))
+        for mesh, dims, options in (
+            (cube, (32, 32, 32), ["--set", "solid"]),
+            (cube, (32, 32, 32), ["--set", "supercover-solid"]),
+            (cube, (32, 32, 32), ["--set", "links"]),
+            (cube, (32, 32, 32), ["--lattice", "bcc", "--pad", "2"]),
+            (cube, (40, 32, 36), ["--lattice", "fcc"]),
+            (cube, (24, 32, 32), ["--lattice", "hexagonal", "--set", "enclosed"]),
+            (BUNNY, (32, 32, 32), ["--band", "2v"]),
+            (BUNNY, (48, 32, 99), ["--band", "0.1", "--signed"]),
+        ):
+            with self.subTest(dims=dims, options=options):
+                shape = ["--dims", ",".join(map(str, dims))]
+                summary = self.voxelize(mesh, *shape, *options, out="d.npz")
+                with numpy.load(self.dir / "d.npz") as arrays:
+                    self.assertEqual(arrays["data"].shape, dims)
+                    self.assertEqual(int(arrays["data"].sum()), summary["voxels"])
+                told = json.loads(latvox("voxelize", mesh, *shape, *options, "-o", self.dir / "d.vdb", "-o",
+                                         self.dir / "e.npz", "--json").stdout)  # fmt: skip
+                self.assertEqual(told["digest"], summary["digest"])
+                info = json.loads(latvox("info", "--json", self.dir / "d.vdb").stdout)
+                resolution = json.loads(info["metadata"]["latvox_request"])["resolution"]
+                same = self.voxelize(mesh, "--resolution", resolution, *shape, *options, out="d.npz")
+                self.assertEqual(same["digest"], summary["digest"], "the grid holds the resolution")
+                done = latvox("voxelize", mesh, "--resolution", resolution + 1, *shape, *options, "-o", self.dir / "f.npz")
+                self.assertEqual(done.returncode, 3, done.stderr)
+                self.assertIn("f.npz: --dims: ", done.stderr)
+        done = latvox("voxelize", cube, "--dims", "4,4,4", "--band", "3v", "-o", self.dir / "g.npz")
+        self.assertEqual(done.returncode, 3, done.stderr)
+        self.assertRegex(done.stderr, r"at --resolution 2: --dims: 4 along i is less than the \d+ points that the voxels take")
+        self.assertFalse((self.dir / "g.npz").exists())
+
     def test_a_side_beyond_nifti_1_makes_nifti_2(self):
         mesh = write_obj(self.dir / "long.obj", box((0, 0, 0), (40000, 1, 1)))
         for field, dtype in (("distance", "float32"), ("normal", "float32"), ("part", "int32")):
             arrays = self.write(mesh, [".nii", ".nii.gz"], "--voxel-size", "1", "--fields", field)
-            self.assertEqual(arrays["data"].shape[0], 40001)
+            self.assertEqual(arrays["data"].shape[0], 40000)
             self.check_images(arrays, field, dtype, (".nii", ".nii.gz"))
             for name in ("a.nii", "a.nii.gz"):
                 self.assertIsInstance(nibabel.load(self.dir / name), nibabel.Nifti2Image)

@@ -58,7 +58,8 @@ latvox_add_test(client_remote_test SOURCES unit/client/tool/remote/remote_test.c
 latvox_add_test(client_texture_test SOURCES unit/client/tool/texture/texture_test.cc LIBRARIES latvox::tool)
 latvox_add_test(client_content_wire_test SOURCES unit/client/tool/confined/content_wire_test.cc
                 LIBRARIES latvox::tool GTest::gmock)
-latvox_add_test(client_options_test SOURCES unit/client/tool/cli/file_options_test.cc unit/client/tool/cli/options_test.cc
+latvox_add_test(client_options_test SOURCES unit/client/tool/cli/dims_resolution_test.cc
+                        unit/client/tool/cli/file_options_test.cc unit/client/tool/cli/options_test.cc
                 LIBRARIES latvox::tool GTest::gmock)
 latvox_add_test(client_tool_test SOURCES unit/client/tool/cli/tool_test.cc LIBRARIES latvox::tool GTest::gmock)
 latvox_add_test(client_job_test SOURCES unit/client/tool/cli/job_test.cc LIBRARIES latvox::tool GTest::gmock)

@@ -157,7 +157,7 @@ class Voxels(Bricks):
 
     @property
     def index_box(self) -> Optional[Tuple[np.ndarray, np.ndarray]]:
-        """Low and high corner of a box of all voxels, low <= ijk < high; None: the box has no lattice point."""
+        """Low and high corner of the smallest box of the voxels, low <= ijk < high; None: there is no voxel."""
         box = self._voxels.index_box()
         return None if box is None else (np.array(box[0], np.int32), np.array(box[1], np.int32))
 

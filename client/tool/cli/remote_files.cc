@@ -102,11 +102,11 @@ absl::StatusOr<bool> RemoteFiles::IsMissing(const std::string& output, const std
   return (*facts)->bytes != bytes || job == (*facts)->notes.end() || job->second != job_digest;
 }
 
-absl::StatusOr<std::unique_ptr<Output>> RemoteFiles::Open(const std::string& output) {
+absl::StatusOr<std::unique_ptr<Output>> RemoteFiles::Open(const std::string& output, const VoxelizeRequest& request) {
   const auto object = options_.remote.objects.find(output);
-  if (object == options_.remote.objects.end()) return OpenOutput(output, options_.request, options_.output_options);
+  if (object == options_.remote.objects.end()) return OpenOutput(output, request, options_.output_options);
   const std::string path = NextPath(object->second);
-  auto file = OpenOutput(path, options_.request, options_.output_options);
+  auto file = OpenOutput(path, request, options_.output_options);
   if (!file.ok()) return Named(file.status());
   const auto notes = [this](const Summary& summary) -> ObjectNotes {
     if (job_digest_.empty()) return {};
@@ -117,7 +117,9 @@ absl::StatusOr<std::unique_ptr<Output>> RemoteFiles::Open(const std::string& out
 
 void RemoteFiles::Hook(JobHooks& hooks) {
   if (options_.remote.objects.empty()) return;
-  hooks.open_output = [this](const std::string& output) { return Open(output); };
+  hooks.open_output = [this](const std::string& output, const VoxelizeRequest& request) {
+    return Open(output, request);
+  };
   hooks.say = [this, say = hooks.say](const std::string& line) { say(Named(line)); };
   hooks.on_stage = [this, tell = hooks.on_stage](const std::string& stage) { tell(Named(stage)); };
 }

@@ -44,7 +44,7 @@ class RemoteFiles {
   absl::StatusOr<bool> IsMissing(const std::string& output, const std::string& job_digest, uint64_t bytes);
 
   // Opens an output, here or on another machine. It must not outlive this object. Errors: those of OpenOutput.
-  absl::StatusOr<std::unique_ptr<Output>> Open(const std::string& output);
+  absl::StatusOr<std::unique_ptr<Output>> Open(const std::string& output, const VoxelizeRequest& request);
 
   // Lets the job write to other machines, and speak of objects. The hooks must not outlive this object.
   void Hook(JobHooks& hooks);

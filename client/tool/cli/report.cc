@@ -213,7 +213,7 @@ Json SummaryJson(const VoxelizeReport& report) {
                {"origin", report.accepted.grid.origin},
                {"voxel_size", report.accepted.grid.voxel_size},
                {"placement", NameOf(report.accepted.placement)},
-               {"index_box", BoxJson(report.accepted.index_box)},
+               {"index_box", BoxJson(report.index_box)},
                {"separability", summary.certificate.separability},
                {"digest", summary.certificate.digest},
                {"certificate", CertificateJson(summary.certificate)}};

@@ -21,6 +21,7 @@ struct VoxelizeReport {
   std::vector<std::string> outputs;
   Accepted accepted;
   Summary summary;
+  std::optional<IndexBox> index_box;           // of the voxels
   std::optional<uint32_t> default_resolution;  // if the request states no size
   uint64_t skipped = 0;                        // points and lines of the mesh file
   std::optional<WeldReport> weld;              // if requested

@@ -10,12 +10,14 @@
 #include "absl/time/clock.h"
 #include "client/mesh_files/mesh_source.h"
 #include "client/tool/cli/abandoned_work.h"
+#include "client/tool/cli/dims_resolution.h"
 #include "client/tool/cli/mesh_names.h"
 #include "client/tool/cli/mesh_upload.h"
 #include "client/tool/cli/progress_bar.h"
 #include "client/tool/cli/remote_files.h"
 #include "client/tool/cli/warnings.h"
 #include "client/tool/confined/foreign_grid.h"
+#include "client/tool/output/box_shape.h"
 #include "client/tool/output/output.h"
 #include "client/tool/output/standard_output.h"
 #include "client/tool/texture/color_stream.h"
@@ -30,8 +32,8 @@ using Outputs = std::vector<std::unique_ptr<Output>>;
 absl::StatusOr<Outputs> OpenOutputs(const VoxelizeOptions& options, const JobHooks& hooks) {
   Outputs outputs;
   for (const std::string& path : options.outputs) {
-    auto output =
-        hooks.open_output ? hooks.open_output(path) : OpenOutput(path, options.request, options.output_options);
+    auto output = hooks.open_output ? hooks.open_output(path, options.request)
+                                    : OpenOutput(path, options.request, options.output_options);
     if (!output.ok()) return output.status();
     outputs.push_back(*std::move(output));
   }
@@ -82,11 +84,9 @@ absl::Status ReplaceNames(const VoxelizeOptions& options, const CarriedNames& na
 }
 
 // Runs the call and writes its results to the outputs.
-absl::Status Call(const VoxelizeOptions& options, const MeshUpload& upload, const CallOptions& call,
-                  const JobHooks& hooks, Outputs& outputs, std::vector<Warning>& warnings, VoxelizeReport& report) {
-  hooks.on_stage("connecting");
-  const absl::StatusOr<const Client*> client = hooks.connect();
-  if (!client.ok()) return client.status();
+absl::Status Call(const Client& client, const VoxelizeOptions& options, const MeshUpload& upload,
+                  const CallOptions& call, const JobHooks& hooks, Outputs& outputs, std::vector<Warning>& warnings,
+                  VoxelizeReport& report) {
   hooks.on_stage("uploading");
   std::optional<ColorStream> colors;
   if (upload.base_colors) colors.emplace(*upload.base_colors, options.request, options.alpha_cutoff);
@@ -102,10 +102,12 @@ absl::Status Call(const VoxelizeOptions& options, const MeshUpload& upload, cons
     return ForEach(outputs, [&](Output& output) { return output.Begin(accepted); });
   };
   uint64_t bricks = 0;
+  VoxelBox box;
   handlers.on_bricks = [&](const BrickBatch& received) {
     bricks += received.bricks.size();
     hooks.on_progress(received.progress, bricks);
     const BrickBatch batch = colors ? colors->Convert(received) : received;
+    for (const Brick& brick : batch.bricks) box.Add(brick);
     return ForEach(outputs, [&](Output& output) { return output.Add(batch); });
   };
   handlers.on_resumed = [&](const Resumption& resumption) {
@@ -114,9 +116,10 @@ absl::Status Call(const VoxelizeOptions& options, const MeshUpload& upload, cons
   VoxelizeRequest request = colors ? colors->ToSend() : options.request;
   request.raw_mesh = upload.raw;
   if (absl::Status status = ReplaceNames(options, upload.names, request); !status.ok()) return status;
-  auto summary = (*client)->Voxelize(request, upload.bytes, handlers, call);
+  auto summary = client.Voxelize(request, upload.bytes, handlers, call);
   if (!summary.ok()) return WithMesh(summary.status(), options.mesh);
   report.summary = *std::move(summary);
+  report.index_box = box.box();
   if (!colors) return absl::OkStatus();
   colors->Finish(report.summary);
   report.dropped = colors->dropped();
@@ -134,22 +137,45 @@ absl::Status Align(VoxelizeOptions& options, const Cancellation& cancellation) {
   return absl::OkStatus();
 }
 
-absl::StatusOr<VoxelizeReport> RunJob(const VoxelizeOptions& options, const CallOptions& call, const JobHooks& hooks) {
+namespace {
+
+// Returns the resolution that --dims decides on.
+absl::StatusOr<uint32_t> FitResolution(const Client& client, VoxelizeOptions options, const MeshUpload& upload,
+                                       const CallOptions& call, const JobHooks& hooks) {
+  JobHooks quiet = hooks;
+  quiet.on_stage = [](const std::string&) {};
+  quiet.on_progress = [](double, uint64_t) {};
+  quiet.say = [](const std::string&) {};
+  hooks.on_stage("choosing a resolution");
+  options.strict = options.request.verify = false;
+  return FindResolution(options.output_options.shape,
+                        [&](uint32_t resolution) -> absl::StatusOr<std::optional<IndexBox>> {
+                          options.request.resolution = resolution;
+                          Outputs no_outputs;
+                          std::vector<Warning> warnings;
+                          VoxelizeReport report;
+                          auto status = Call(client, options, upload, call, quiet, no_outputs, warnings, report);
+                          if (!status.ok()) return status;
+                          return report.index_box;
+                        });
+}
+
+}  // namespace
+
+absl::StatusOr<VoxelizeReport> RunJob(const VoxelizeOptions& given, const CallOptions& call, const JobHooks& hooks) {
   const absl::Time start = absl::Now();
+  VoxelizeOptions options = given;
   VoxelizeReport report;
   report.mesh_path = NameOf(options.mesh);
   report.outputs = options.outputs;
-  if (options.has_default_resolution) report.default_resolution = options.request.resolution;
   // Outputs come first, so that an unwritable path fails before any work.
   auto outputs = OpenOutputs(options, hooks);
   if (!outputs.ok()) return outputs.status();
-  if (hooks.receive) outputs->push_back(hooks.receive());
   const MeshReader read_files = [source = options.mesh] { return ReadMeshSource(source); };
   const auto upload = PrepareUpload(options, hooks.read_mesh ? hooks.read_mesh : read_files, HasNetwork(options.server),
                                     call, hooks.on_stage);
   if (!upload.ok()) return upload.status();
   report.names = upload->names;
-  for (const auto& output : *outputs) output->SetNames(upload->names);
   report.skipped = upload->skipped;
   report.weld = upload->weld;
   std::vector<Warning> warnings = hooks.warnings;
@@ -158,7 +184,23 @@ absl::StatusOr<VoxelizeReport> RunJob(const VoxelizeOptions& options, const Call
   report.read_ms = upload->read_ms;
   report.encode_ms = upload->encode_ms;
   if (auto status = CheckTime(call); !status.ok()) return status;
-  if (auto status = Call(options, *upload, call, hooks, *outputs, warnings, report); !status.ok()) return status;
+  hooks.on_stage("connecting");
+  const absl::StatusOr<const Client*> client = hooks.connect();
+  if (!client.ok()) return client.status();
+  if (options.is_fitted()) {
+    const auto resolution = FitResolution(**client, options, *upload, call, hooks);
+    if (!resolution.ok()) return resolution.status();
+    options.request.resolution = *resolution;
+    outputs->clear();
+    outputs = OpenOutputs(options, hooks);  // they may hold the request
+    if (!outputs.ok()) return outputs.status();
+  }
+  if (options.has_default_resolution) report.default_resolution = options.request.resolution;
+  if (hooks.receive) outputs->push_back(hooks.receive(options.request));
+  for (const auto& output : *outputs) output->SetNames(upload->names);
+  if (auto status = Call(**client, options, *upload, call, hooks, *outputs, warnings, report); !status.ok()) {
+    return status;
+  }
   std::vector<Warning>& all = report.summary.warnings;
   if (auto status = Warn(all, options.strict, hooks.say); !status.ok()) return status;
   all.insert(all.begin(), warnings.begin(), warnings.end());

@@ -33,9 +33,11 @@ struct JobHooks {
   std::function<void(const std::string& line)> say;  // prints a line for people
   std::vector<Warning> warnings = {};                // of the command itself: the report begins with them
   MeshReader read_mesh = nullptr;                    // returns the mesh; null: reads the files of the options
-  std::function<absl::StatusOr<std::unique_ptr<Output>>(const std::string& output)> open_output =
-      nullptr;                                                 // null: opens a file
-  std::function<std::unique_ptr<Output>()> receive = nullptr;  // returns what takes the voxels besides the files
+  // Opens an output of the request; null: opens a file. Called again for an output that was closed.
+  std::function<absl::StatusOr<std::unique_ptr<Output>>(const std::string& output, const VoxelizeRequest& request)>
+      open_output = nullptr;
+  // Returns what takes the voxels of the request besides the files.
+  std::function<std::unique_ptr<Output>(const VoxelizeRequest& request)> receive = nullptr;
 };
 
 // Reads and encodes the mesh, lets the server voxelize it and writes every output. The outputs appear only if

@@ -101,15 +101,16 @@ void InterpretPart(const VoxelizeWords& words, VoxelizeRequest& request) {
   if (!words.shard.empty()) request.shard = ParseShard(words.shard);
 }
 
-// Without a size, dims decide: the longest side has as many voxels as fit along each side.
+// The resolution that --dims decides on is at most this, because no step along an index of a named lattice is longer
+// than two voxels. It is that of the upload; the job then finds the right one.
 uint32_t DefaultResolution(const BoxShape& shape) {
   if (!shape.dims) return kDefaultResolution;
   const int64_t least = *std::min_element(shape.dims->begin(), shape.dims->end()) - 2 * int64_t{shape.pad};
-  if (least < kMinResolution) {
-    Refuse("--dims: ", absl::StrJoin(*shape.dims, ","), " with --pad ", shape.pad, " leaves ", least,
-           " voxels along a side, and the least is ", kMinResolution);
+  if (least < 1) {
+    Refuse("--dims: ", absl::StrJoin(*shape.dims, ","), " with --pad ", shape.pad, " leaves no voxel along a side");
   }
-  return static_cast<uint32_t>(std::min<int64_t>(least, kMaxResolution));
+  const int64_t most = *std::max_element(shape.dims->begin(), shape.dims->end());
+  return static_cast<uint32_t>(std::clamp<int64_t>(2 * most, kMinResolution, kMaxResolution));
 }
 
 OptionRow OutputFormatRow(VoxelizeWords& words) {

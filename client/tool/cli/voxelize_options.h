@@ -29,7 +29,10 @@ struct VoxelizeOptions {
   std::optional<size_t> standard_output;  // index in `outputs` of the one that is sent there: only its extension counts
   OutputOptions output_options;
   VoxelizeRequest request;
-  bool has_default_resolution = false;
+  bool has_default_resolution = false;  // with dims of output_options, they decide on it
+
+  bool is_fitted() const { return has_default_resolution && output_options.shape.dims; }
+
   UploadForm upload = UploadForm::kAuto;
   std::optional<int> quantization_bits;  // absent: auto
   std::optional<double> alpha_cutoff;    // voxels of less opacity are left out

@@ -13,7 +13,7 @@
 namespace latvox::client {
 
 struct BoxShape {
-  uint32_t pad = 0;  // empty points on each side, beyond the box of the call, or with dims, that of the voxels
+  uint32_t pad = 0;  // empty points on each side, beyond the box of the voxels
   // The number of points along i, j and k. The box of the voxels, with its padding, is in the middle; if one point is
   // left over, that is behind it.
   std::optional<Vec3i> dims = std::nullopt;

@@ -20,9 +20,9 @@ absl::Status DenseBox::SetBox(const std::optional<IndexBox>& box, uint64_t eleme
   for (const uint64_t side : shape_) {
     bytes *= side;
     if (bytes <= kMost) continue;
-    return absl::ResourceExhaustedError(absl::StrCat(target, ": a dense array of ", absl::StrJoin(shape_, " x "),
-                                                     " elements exceeds ", kMost,
-                                                     " bytes; request less with --region"));
+    return absl::ResourceExhaustedError(
+        absl::StrCat(target, ": a dense array of ", absl::StrJoin(shape_, " x "), " elements exceeds ", kMost,
+                     " bytes; request less with --region, or a .npy or .h5, which hold voxels alone"));
   }
   return absl::OkStatus();
 }

@@ -25,8 +25,9 @@ std::string EmptyOf(NumberType type) {
 
 }  // namespace
 
-DenseFields::DenseFields(const std::vector<Field>& fields, DenseOrder order, const BoxShape& shape, bool are_joined)
-    : shape_(shape), are_joined_(are_joined), box_(order) {
+DenseFields::DenseFields(const std::vector<Field>& fields, DenseOrder order, const BoxShape& shape,
+                         const IndexBox& without_voxels, bool are_joined)
+    : shape_(shape), without_voxels_(without_voxels), are_joined_(are_joined), box_(order) {
   for (const Field field : fields) fields_.push_back({field, {}});
 }
 
@@ -58,14 +59,13 @@ absl::Status DenseFields::Add(const BrickBatch& batch) {
     const std::vector<std::byte>& more = batch.fields[n].bytes;
     fields_[n].bytes.insert(fields_[n].bytes.end(), more.begin(), more.end());
   }
-  if (!shape_.dims) return absl::OkStatus();
   for (const Brick& brick : batch.bricks) voxels_.Add(brick);
   return voxels_.box() ? ShapedBox(*voxels_.box(), shape_, target_).status() : absl::OkStatus();
 }
 
 absl::Status DenseFields::Finish() {
   box_.Sort();
-  if (!voxels_.box()) return absl::OkStatus();
+  if (!voxels_.box()) return shape_.dims ? absl::OkStatus() : SetBox(without_voxels_);
   const auto box = ShapedBox(*voxels_.box(), shape_, target_);
   return box.ok() ? SetBox(*box) : box.status();
 }

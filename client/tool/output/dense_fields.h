@@ -15,6 +15,9 @@
 
 namespace latvox::client {
 
+// For formats that hold at least one element.
+inline constexpr IndexBox kOneElement = {{0, 0, 0}, {1, 1, 1}};
+
 // One array over all lattice points of a box.
 struct DenseArray {
   std::string name;
@@ -26,15 +29,19 @@ struct DenseArray {
   uint64_t bytes(const DenseBox& box) const { return box.rows() * box.row_elements() * empty.size(); }
 };
 
-// Collects voxels and fields. Memory: 88 bytes for each brick, and the fields. Not thread-safe.
+// Collects voxels and fields, for arrays over the voxels' own box, in its shape. Memory: 88 bytes for each brick, and
+// the fields. Not thread-safe.
 class DenseFields {
  public:
-  //   are_joined   the fields become one array: see Joined
-  DenseFields(const std::vector<Field>& fields, DenseOrder order, const BoxShape& shape, bool are_joined = false);
+  //   without_voxels   the box if there are neither voxels nor dims
+  //   are_joined       the fields become one array: see Joined
+  DenseFields(const std::vector<Field>& fields, DenseOrder order, const BoxShape& shape,
+              const IndexBox& without_voxels = {}, bool are_joined = false);
   DenseFields(const DenseFields&) = delete;
   DenseFields& operator=(const DenseFields&) = delete;
 
-  // Errors: those of DenseBox::SetBox. Afterward, box() has its final shape.
+  // Checks the box of the call, which bounds that of the voxels, so that a call fails before its work. Errors: those of
+  // DenseBox::SetBox.
   absl::Status Begin(const Accepted& accepted, const std::string& target);
 
   // Errors: those of ShapedBox, as soon as the voxels do not fit.
@@ -63,9 +70,10 @@ class DenseFields {
   absl::Status SetBox(const std::optional<IndexBox>& box);
 
   const BoxShape shape_;
+  const IndexBox without_voxels_;
   const bool are_joined_;
   std::string target_;
-  VoxelBox voxels_;  // of all that were added, if there are dims
+  VoxelBox voxels_;  // of all that were added
   GridTransform grid_;
   DenseBox box_;
   std::vector<FieldValues> fields_;

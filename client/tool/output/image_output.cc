@@ -47,16 +47,14 @@ class ImageOutput final : public Output {
               const BoxShape& shape)
       : file_(std::move(file)),
         format_(format),
-        fields_(fields, DenseOrder::kFirstFastest, shape, /*are_joined=*/true) {}
+        fields_(fields, DenseOrder::kFirstFastest, shape, kOneElement, /*are_joined=*/true) {}
 
   void SetNames(const CarriedNames& names) override {
     if (fields_.values().size() == 1) segments_ = names.Of(fields_.values()[0].field);
   }
 
   absl::Status Begin(const Accepted& accepted) override {
-    Accepted placed = accepted;
-    if (!placed.index_box) placed.index_box = IndexBox{{0, 0, 0}, {1, 1, 1}};
-    if (auto status = fields_.Begin(placed, file_->target()); !status.ok()) return status;
+    if (auto status = fields_.Begin(accepted, file_->target()); !status.ok()) return status;
     if (format_ != ImageFormat::kMetaPair) return absl::OkStatus();
     const std::filesystem::path data_path = std::filesystem::path(file_->target()).replace_extension(".raw");
     const std::string name = data_path.filename().string();

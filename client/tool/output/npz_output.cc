@@ -39,7 +39,7 @@ class NpzOutput final : public Output {
   }
 
   absl::Status Add(const BrickBatch& batch) override {
-    if (!neighbors_.empty()) ForEachVoxel(batch, [this](const Voxel& voxel) { ijk_.push_back(voxel.ijk); });
+    bricks_.insert(bricks_.end(), batch.bricks.begin(), batch.bricks.end());
     return fields_.Add(batch);
   }
 
@@ -47,6 +47,7 @@ class NpzOutput final : public Output {
     if (auto status = fields_.Finish(); !status.ok()) return status;
     std::vector<ZipMember> members;
     for (const DenseArray& array : fields_.Arrays()) members.push_back(Dense(array, fields_.box()));
+    members.push_back(Coordinates());
     if (!neighbors_.empty()) AddLinks(members);
     AddPlace(members);
     if (auto status = WriteZip(members, *file_); !status.ok()) return status;
@@ -56,12 +57,32 @@ class NpzOutput final : public Output {
   absl::Status Commit() override { return file_->Commit(); }
 
  private:
+  static std::string TriplesHeader(uint64_t count) { return NpyHeader("'<i4'", std::array<uint64_t, 2>{count, 3}); }
+
+  uint64_t CountAll() const {
+    uint64_t voxels = 0;
+    for (const Brick& brick : bricks_) voxels += CountVoxels(brick);
+    return voxels;
+  }
+
+  // The member reads the bricks when it is written.
+  ZipMember Coordinates() const {
+    const uint64_t voxels = CountAll();
+    const auto head = std::make_shared<std::string>(TriplesHeader(voxels));
+    return {"ijk.npy", head->size() + voxels * sizeof(Vec3i),
+            [this, head, brick = size_t{0}](std::string& chunk) mutable {
+              constexpr size_t kBricks = 256;
+              chunk = std::exchange(*head, {});
+              for (const size_t end = std::min(bricks_.size(), brick + kBricks); brick < end; ++brick) {
+                ForEachVoxel(bricks_[brick], [&chunk](const Vec3i& ijk) { chunk += RawBytes(ijk); });
+              }
+            }};
+  }
+
   // Adds fields of links: a row for each voxel, and none for other points of the box, which would be most of the file.
   void AddLinks(std::vector<ZipMember>& members) const {
-    const uint64_t rows = ijk_.size(), columns = neighbors_.size();
-    const auto integers = [](uint64_t count) { return NpyHeader("'<i4'", std::array<uint64_t, 2>{count, 3}); };
-    members.push_back(RowsMember("ijk", integers(rows), ijk_));
-    members.push_back(RowsMember("neighbors", integers(columns), neighbors_));
+    const uint64_t rows = CountAll(), columns = neighbors_.size();
+    members.push_back(RowsMember("neighbors", TriplesHeader(columns), neighbors_));
     for (const FieldValues& values : fields_.values()) {
       if (!FactsOf(values.field).is_of_links()) continue;
       const std::string type = absl::StrCat("'", NumpyTypeOf(FactsOf(values.field).type), "'");
@@ -89,7 +110,7 @@ class NpzOutput final : public Output {
   std::unique_ptr<AtomicFile> file_;
   DenseFields fields_;
   std::vector<Vec3i> neighbors_;  // for fields of links
-  std::vector<Vec3i> ijk_;        // of the voxels, with fields of links
+  std::vector<Brick> bricks_;     // in the order of the stream
 };
 
 }  // namespace

@@ -22,15 +22,13 @@ std::string Numbers(const Vec3d& v) { return absl::StrFormat("%.17g %.17g %.17g"
 class VtiOutput final : public Output {
  public:
   VtiOutput(std::unique_ptr<AtomicFile> file, const std::vector<Field>& fields, const BoxShape& shape)
-      : file_(std::move(file)), fields_(fields, DenseOrder::kFirstFastest, shape) {}
+      : file_(std::move(file)), fields_(fields, DenseOrder::kFirstFastest, shape, kOneElement) {}
 
   absl::Status Begin(const Accepted& accepted) override {
     if (!IsAlongAxes(accepted.grid.basis)) {
       return absl::InvalidArgumentError(absl::StrCat(file_->target(), ": ", kBoxesOnly));
     }
-    Accepted placed = accepted;
-    if (!placed.index_box) placed.index_box = IndexBox{{0, 0, 0}, {1, 1, 1}};
-    return fields_.Begin(placed, file_->target());
+    return fields_.Begin(accepted, file_->target());
   }
 
   absl::Status Add(const BrickBatch& batch) override { return fields_.Add(batch); }

@@ -62,13 +62,15 @@ TEST(FileOptions, RefusalsOfFilesNameOptionValueAndLimit) {
 TEST(FileOptions, ShapesNeedAnArrayWithAShape) {
   const VoxelizeOptions options = Parse({"--dims", "64,48,40", "--pad", "3", "-o", "a.nrrd"});
   EXPECT_EQ(options.output_options.shape, (BoxShape{.pad = 3, .dims = Vec3i{64, 48, 40}}));
-  EXPECT_EQ(options.request.resolution, 34U);
+  EXPECT_TRUE(options.is_fitted());
+  EXPECT_EQ(options.request.resolution, 128U);  // no step along an index is longer than two voxels
+  EXPECT_FALSE(Parse({"--dims", "64,48,40", "--resolution", "9", "-o", "a.nrrd"}).is_fitted());
   EXPECT_EQ(Parse({"--dims", "64,48,40", "--voxel-size", "1", "-o", "a.nii.gz"}).request.resolution, std::nullopt);
   EXPECT_EQ(Parse({"--pad", "1", "-o", "a.npy", "--npy", "dense"}).request.resolution, 256U);
   Refuses({"--dims", "9,9"}, {"--dims", "9,9", "3 whole numbers"});
   Refuses({"--dims", "9,0,9"}, {"--dims", "9,0,9", "from 1 to 1048576"});
   Refuses({"--pad", "-1"}, {"--pad", "-1", "0 to 65536"});
-  Refuses({"--dims", "9,9,9", "--pad", "4", "-o", "a.npz"}, {"--dims", "9,9,9", "leaves 1", "least is 2"});
+  Refuses({"--dims", "9,9,9", "--pad", "5", "-o", "a.npz"}, {"--dims", "9,9,9", "--pad 5", "leaves no voxel"});
   Refuses({"--dims", "9,9,9", "-o", "a.npy"}, {"--dims", "needs an output", ".nrrd", "--npy dense"});
   Refuses({"--pad", "1", "-o", "a.csv"}, {"--pad", ".npz", ".vti"});
 }

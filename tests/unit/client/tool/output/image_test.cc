@@ -179,24 +179,34 @@ TEST_F(Image, FieldsOfTwoTypesAndTooManyBytesAreRefused) {
 
 TEST_F(Image, ASideBeyondNifti1MakesNifti2) {
   for (const auto& [side, bytes] : {std::pair(32767, 352), {32768, 544}}) {
-    Accepted accepted = MakeAccepted();
-    accepted.index_box->max[1] = accepted.index_box->min[1] + side;
-    ASSERT_EQ(Fill("o.nii", {}, {}, accepted), absl::OkStatus());
-    const std::string file = Read("o.nii");
-    const auto elements = static_cast<size_t>(accepted.index_box->max[0] - accepted.index_box->min[0]) *
-                          static_cast<size_t>(accepted.index_box->max[2] - accepted.index_box->min[2]);
-    EXPECT_EQ(file.size(), static_cast<size_t>(bytes) + elements * static_cast<size_t>(side));
+    const std::string file = Mask("o.nii", {.shape = {.dims = Vec3i{2, side, 2}}});
+    EXPECT_EQ(file.size(), static_cast<size_t>(bytes + 4 * side));
     int32_t header = 0;
     std::memcpy(&header, file.data(), sizeof(header));
     EXPECT_EQ(header, bytes - 4);
   }
 }
 
-TEST_F(Image, WithoutABoxThereIsOneEmptyElement) {
-  Accepted accepted = MakeAccepted();
-  accepted.index_box.reset();
-  ASSERT_EQ(Fill("o.nii", {}, {}, accepted), absl::OkStatus());
-  EXPECT_EQ(Read("o.nii").substr(352), std::string(1, '\0'));
+TEST_F(Image, WithoutAVoxelThereIsOneEmptyElement) {
+  for (const bool has_box : {true, false}) {  // of the call
+    Accepted accepted = MakeAccepted();
+    if (!has_box) accepted.index_box.reset();
+    const auto output = OpenOutput(Path("o.nii"), {});
+    ASSERT_TRUE(output.ok() && (*output)->Begin(accepted).ok() && (*output)->Finish({}).ok());
+    ASSERT_EQ((*output)->Commit(), absl::OkStatus());
+    EXPECT_EQ(Read("o.nii").substr(352), std::string(1, '\0'));
+  }
+}
+
+TEST_F(Image, CoversTheVoxelsAloneWhateverBoundsThem) {
+  Accepted wide = MakeAccepted();
+  wide.index_box = IndexBox{{-3, -4, 5}, {6, 7, 11}};
+  for (const auto& [name, pad] : {std::pair("o.nrrd", 0U), {"o.nii", 1U}, {"o.npy", 1U}, {"o.npz", 0U}}) {
+    const OutputOptions options = {.dense_npy = true, .shape = {.pad = pad}};
+    const std::string tight = Mask(name, options);
+    ASSERT_EQ(Fill(name, {}, {}, wide, options), absl::OkStatus());
+    EXPECT_EQ(Read(name), tight) << name;
+  }
 }
 
 TEST_F(Image, AShapePutsTheBoxInTheMiddle) {
