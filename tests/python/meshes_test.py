@@ -255,8 +255,10 @@ def test_other_objects_are_type_errors(mesh):
 
 def test_volume_cells_are_refused():
     mesh = meshio.Mesh(POINTS, [("triangle", TRIANGLES), ("tetra", np.array([[0, 1, 2, 3]]))])
-    with pytest.raises(latvox.InvalidArgument, match="mesh: cells of type tetra"):
+    with pytest.raises(latvox.InvalidArgument, match="mesh: cells of type tetra") as caught:
         latvox.voxelize(mesh)
+    error = caught.value
+    assert (error.reason, error.field, error.value, error.limit) == ("BAD_MESH", "mesh", "tetra", "triangle, quad, polygon")
 
 
 def test_a_missing_file_and_a_wrong_one(tmp_path):

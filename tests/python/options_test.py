@@ -198,3 +198,9 @@ def test_help_lists_every_option():
 
     assert inspect.signature(latvox.voxelize).parameters.keys() >= latvox.KEYWORDS.keys()
     assert "voxel_size: Edge of a cube" in latvox.voxelize.__doc__
+
+
+def test_help_tells_values_and_defaults_in_lines_that_fit():
+    text = " ".join(latvox.voxelize.__doc__.split())
+    assert "lattice: Named lattice. Values: cartesian|bcc|fcc|hexagonal. Default: cartesian." in text
+    assert max(map(len, latvox.voxelize.__doc__.splitlines())) < 120

@@ -7,6 +7,7 @@ import inspect
 import os
 import pathlib
 import sys
+import textwrap
 import threading
 from typing import Any, Callable, Dict, Iterable, Iterator, List, Optional, Union
 
@@ -217,7 +218,8 @@ def voxelize(mesh: Any, *, progress: Optional[Progress] = None, **options: Any) 
         integers. Or a mesh of trimesh, meshio, PyVista or Open3D.
     progress: called with the share of the work that is done, 0 to 1. True: shows it on standard error, in a line that
         changes on a terminal, otherwise in a line for each tenth.
-    options: those of the tool's command voxelize, with _ in place of -. Lists are sequences, flags are True or False.
+    options: those of the tool's command voxelize, with _ in place of -; listed below. Lists are sequences, flags are
+        True or False.
 
     Without `server`, the first call starts a private server for this process, and later calls use it. Python can run
     other threads meanwhile. KeyboardInterrupt cancels the call.
@@ -255,6 +257,16 @@ def voxelize_many(meshes: Iterable[Any], *, jobs: Optional[int] = None, **option
     return _many(client, meshes, jobs, others)
 
 
+def _line(name: str, facts: Dict[str, str]) -> str:
+    """Returns the description of a keyword argument, with the words or numbers that it takes."""
+    text = f"{name}: {facts['help']}."
+    if "|" in facts["value"] or "," in facts["value"]:
+        text += f" Values: {facts['value'].rstrip('.')}."
+    if facts["standard"]:
+        text += f" Default: {facts['standard']}."
+    return textwrap.fill(text, 119, initial_indent="    ", subsequent_indent="        ", break_on_hyphens=False)
+
+
 def _describe(function: Callable, *scopes: str) -> None:
     """Adds the keyword arguments to a function's signature and documentation, for help() and notebooks."""
     known = {name: facts for name, facts in KEYWORDS.items() if facts["scope"] in scopes}
@@ -262,10 +274,7 @@ def _describe(function: Callable, *scopes: str) -> None:
     parameters = [p for p in signature.parameters.values() if p.kind is not inspect.Parameter.VAR_KEYWORD]
     parameters += [inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None) for name in known]
     function.__signature__ = signature.replace(parameters=parameters)  # type: ignore[attr-defined]
-    lines = [
-        f"    {name}: {facts['help']}" + (f" (default: {facts['standard']})" if facts["standard"] else "")
-        for name, facts in known.items()
-    ]
+    lines = [_line(name, facts) for name, facts in known.items()]
     function.__doc__ = inspect.cleandoc(function.__doc__ or "") + "\n\nOptions:\n" + "\n".join(lines) + "\n"
 
 

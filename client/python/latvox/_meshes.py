@@ -92,7 +92,10 @@ def _meshio(mesh: Any, with_colors: bool) -> Source | None:
     if unknown:
         raise InvalidArgument(
             f"mesh: cells of type {', '.join(sorted(unknown))} are not {', '.join(_POLYGONS)}; pass their surface",
+            reason="BAD_MESH",
             field="mesh",
+            value=", ".join(sorted(unknown)),
+            limit=", ".join(_POLYGONS),
         )
     faces = [np.asarray(block.data) for block in blocks if block.type in _POLYGONS]
     points = np.asarray(mesh.points)
