@@ -34,6 +34,7 @@ void LinkEnds::Find(const TileContext& context, const TileNode& node) {
     }
   });
   if (nearer.empty()) return;
+  // The layout has one step more than the box of nearer ends.
   uint32_t step = 0;
   for (const int32_t n : where.steps) step = std::max(step, static_cast<uint32_t>(std::abs(n)));
   voxels_.MarkPlanesDirty({nearer.first - step, nearer.last + step});

@@ -21,11 +21,13 @@ std::string WithoutOrientation(bool closed, InteriorRule rule) {
   return closed ? absl::StrFormat(" with one orientation, as the rule %s asks", NameOf(rule)) : "";
 }
 
+// Returns the end of the error of a mesh, or of a label, without an inside.
 //   lines   "lattice lines", or those of a label
 //   more    further facts
 std::string NoInside(uint64_t unbalanced, const char* lines, const std::string& more) {
   return unbalanced == 0
-             ? absl::StrFormat(", although all %s along k end balanced%s; force_open fills along them", lines, more)
+             ? absl::StrFormat(", although all %s along k end balanced%s; force_open fills along these lines", lines,
+                               more)
              : absl::StrFormat(", and %d %s along k end unbalanced%s; force_open fills the others", unbalanced, lines,
                                more);
 }

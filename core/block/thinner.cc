@@ -33,8 +33,8 @@ bool Thinner::Thin(const TileContext& context, const ScannedSurface& scanned) {
   return decided;
 }
 
-// The triangles at hand decide on the voxels that FindUndecided leaves. Triangles beyond the border seldom matter, and
-// voxels at the border only where many voxels are doubtful.
+// The triangles at hand decide on the voxels that FindUndecided leaves. Triangles beyond the border seldom matter.
+// Where many voxels are doubtful, voxels at the border matter.
 bool Thinner::Decide(const TileContext& context, const ScannedSurface& scanned) {
   // Where many triangles meet in few voxels, each step takes a while.
   if (!context.stop.Stopped()) FindUndecided(context, scanned);
@@ -64,8 +64,12 @@ bool Thinner::Decide(const TileContext& context, const ScannedSurface& scanned) 
     AddBorder(context, scanned.voxels, doubtful);
     Ask(context, scanned);
     if (!in_passes_) {
-      for (const uint32_t voxel : doubtful) undecided_.Set(voxel);
-      list_.insert(list_.end(), doubtful.begin(), doubtful.end());
+      UpdateList();
+      for (const uint32_t voxel : doubtful) {
+        if (undecided_.Test(voxel)) continue;
+        undecided_.Set(voxel);
+        list_.push_back(voxel);
+      }
     }
     decided = Pass(context, scanned, where.Shrunk(context.reach));
   }

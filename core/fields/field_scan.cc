@@ -13,6 +13,9 @@ namespace {
 // Squares with a larger relative difference certainly belong to different distances.
 constexpr double kDoubt = 4 * kSquareError;
 
+// Triangles between two looks at the stop signal.
+constexpr size_t kVisits = 4096;
+
 // Returns whether a triangle may come within sqrt(square) of x, which is relative to its center: see BandScan::Rows.
 bool MayComeWithin(const TriangleDistance& triangle, const Vec3d& x, double square) {
   const double radius_square = triangle.radius() * triangle.radius();
@@ -114,6 +117,7 @@ void FieldScan::FindNearBrick(const FieldContext& context, const Brick& brick, T
   const bool is_labeled = context.plan.label_place.has_value();
   const Vec3i in_tile = brick.brick_ijk - tile.tile_ijk * kBrickSide, corner = tile_min_ + in_tile * kBrickSide;
   const std::span<const uint32_t> agreed = bricks_.Agreed(in_tile);
+  assert(!is_labeled || context.plan.is_label_alone);  // with other fields, points inside may be far from the mesh
   if (is_labeled) {
     const std::optional<uint32_t> elsewhere = agreed.empty() ? std::nullopt : std::optional(agreed.front());
     if (AppendLabels(brick, tile, elsewhere, tile.fields[context.writers.front().place])) return;
@@ -150,7 +154,11 @@ bool FieldScan::FindNumbers(const FieldContext& context, const Vec3i& voxel, Nea
   candidates_.clear();
   least_ = context.plan.most_square;
   double limit = least_ * (1 + kDoubt);
-  for (const uint32_t triangle : voxels_.TrianglesNear(voxel)) Offer(context, triangle, nearest.point, limit);
+  const std::span<const uint32_t> triangles = voxels_.TrianglesNear(voxel);
+  for (size_t n = 0; n < triangles.size(); ++n) {
+    if (n % kVisits == 0 && context.stop.Stopped()) return false;
+    Offer(context, triangles[n], nearest.point, limit);
+  }
   if (context.stop.Stopped()) return false;
   std::erase_if(candidates_, [limit](const Candidate& candidate) { return candidate.square > limit; });
   return Decide(context, nearest);
@@ -251,7 +259,6 @@ void FieldScan::List(const FieldContext& context, const Vec3i& brick_min) {
 // Finds all triangles that may be at the smallest distance.
 //   bound   not below the square of that distance, as TriangleDistance::SquareTo has it
 void FieldScan::FindCandidates(const FieldContext& context, const Vec3i& point, double bound) {
-  constexpr size_t kVisits = 4096;  // between two looks at the stop signal
   candidates_.clear();
   least_ = winner_ ? std::min(bound, winner_->SquareTo(point)) : bound;
   const Vec3d x = Apply(context.plan.metric.root, ToDouble(point));

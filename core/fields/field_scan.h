@@ -36,8 +36,9 @@ struct FieldContext {
   StopSignal stop;
 };
 
-// Each thread has its own, and reuses it from tile to tile: some 0.5 MiB, 16 bytes for each triangle that is equally
-// near to one voxel, and with plan.near_reach up to 56 bytes for each triangle near the tile.
+// Each thread has its own, and reuses it from tile to tile. It takes some 0.5 MiB, and 16 bytes for each triangle that
+// is equally near to one voxel. With plan.near_reach, it takes two times NearNumbers::kBytesPerTriangle for each
+// triangle near the tile.
 //
 // The scan decides exactly on the nearest triangle. Doubles sort out most triangles. Two triangles with the same
 // nearest corner or edge are at the same distance. Integers compare all others. So fields do not depend on tiles,

@@ -17,6 +17,7 @@ void NearNumbers::Begin(const SnappedMesh& mesh, const FieldPlan& plan, std::spa
   last_kind_ = kMixed;
   of_row_ = {-1, -1};
   all_.clear();
+  all_.reserve(triangles.size());
   for (size_t n = 0; n < triangles.size(); ++n) {
     if (n % kPiece == 0 && stop.Stopped()) return;
     const auto& [a, b, c] = mesh.triangles[triangles[n]];
@@ -63,6 +64,7 @@ uint8_t NearNumbers::KindOf(const std::array<uint32_t, 3>& corners) {
 
 void NearNumbers::Keep(const std::vector<Placed>& from, int slab, std::vector<Placed>& kept) {
   kept.clear();
+  kept.reserve(from.size());
   std::ranges::copy_if(from, std::back_inserter(kept),
                        [slab](const Placed& placed) { return (placed.slabs >> slab & 1) != 0; });
 }
@@ -77,6 +79,7 @@ std::span<const uint32_t> NearNumbers::TrianglesNear(const Vec3i& cell) {
     of_row_[1] = cell[1];
   }
   near_.clear();
+  near_.reserve(row_.size());
   for (const Placed& placed : row_) {
     if ((placed.slabs >> (2 * kSide + cell[2]) & 1) != 0) near_.push_back(placed.triangle);
   }

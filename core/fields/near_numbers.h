@@ -29,8 +29,8 @@ class NearNumbers {
   void Begin(const SnappedMesh& mesh, const FieldPlan& plan, std::span<const uint32_t> triangles, const Vec3i& low,
              StopSignal stop);
 
-  // Returns the numbers that all corners of all triangles near a cell have, one for each of plan.of_mesh; empty if
-  // these differ, or if no triangle is near.
+  // Returns the numbers near a cell, one for each of plan.of_mesh: all corners of all triangles nearby have them. Empty
+  // if corners differ, or if no triangle is near.
   //   cell   its place in the cube, 0 to 7 on each axis
   std::span<const uint32_t> Agreed(const Vec3i& cell) const {
     const Row& row = rows_[RowOf(cell[0], cell[1])];
@@ -42,6 +42,9 @@ class NearNumbers {
   // Returns the triangles near a cell, and maybe others, valid until the next call. Cells in lexicographic order share
   // most of the work.
   std::span<const uint32_t> TrianglesNear(const Vec3i& cell);
+
+  // The memory for each triangle near the cube.
+  static constexpr uint64_t kBytesPerTriangle = 28;
 
  private:
   static constexpr int kSide = 8;  // cells
@@ -79,7 +82,7 @@ class NearNumbers {
   size_t count_ = 0;
   std::array<Row, size_t{kSide} * kSide> rows_;
   std::vector<uint32_t> kinds_;            // for each kind, a vertex that has its numbers
-  uint8_t last_kind_ = 0;                  // of a triangle
+  uint8_t last_kind_ = kMixed;             // of a triangle
   std::array<int32_t, 2> of_row_{-1, -1};  // i and j of row_
   std::vector<Placed> all_, slab_, row_;   // slab_: near the slab of i; row_: also near that of j
   std::vector<uint32_t> near_;

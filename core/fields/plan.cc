@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_format.h"
 #include "core/base/status_payload.h"
+#include "core/brick/brick.h"
 #include "core/lattice/frame.h"
 #include "core/lattice/integer_cell.h"
 #include "core/snap/snap.h"
@@ -51,11 +52,14 @@ double FarthestVoxel(const VoxelRequest& request, const Lattice& lattice, bool i
 }
 
 // Returns how far a vector of that length reaches along each axis of lattice coordinates, in units. The rows of root^-1
-// are the columns of cofactor over the determinant.
-Vec3i ReachOf(const Metric& metric, double length) {
+// are the columns of cofactor over the determinant. On flat lattices that may be many tiles, each of which would list
+// most of the mesh: nullopt if it is more than a brick.
+std::optional<Vec3i> ReachOf(const Metric& metric, double length) {
   Vec3i reach;
   for (size_t m = 0; m < 3; ++m) {
-    reach[m] = static_cast<int32_t>(length * LengthOf(metric.cofactor[m]) / std::abs(metric.determinant)) + 1;
+    const double units = length * LengthOf(metric.cofactor[m]) / std::abs(metric.determinant) + 1;
+    if (units > kBrickSide * kLatticeUnit) return std::nullopt;
+    reach[m] = static_cast<int32_t>(units);
   }
   return reach;
 }

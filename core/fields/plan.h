@@ -28,8 +28,8 @@ struct FieldPlan {
   Metric metric;
   double most_square;  // of the distance of a searched voxel, in units; infinite if it may be far
   bool are_numbers;    // all of `nearest` are numbers of the mesh
-  // With are_numbers, and if searched voxels lie near the mesh: the same bound along each axis of lattice coordinates,
-  // in units.
+  // With are_numbers, and if searched voxels lie within a brick's side of the mesh: the same bound along each axis of
+  // lattice coordinates, in units.
   std::optional<Vec3i> near_reach;
   double unit;                        // world length of a unit of the metric
   double most_distance;               // world units: no distance is longer, as a 32-bit float; infinite without a band

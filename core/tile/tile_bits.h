@@ -47,7 +47,7 @@ struct BitsLayout {
   static uint32_t ParityClass(const Vec3i& ijk) {
     return static_cast<uint32_t>((ijk[0] & 1) << 2 | (ijk[1] & 1) << 1 | (ijk[2] & 1));
   }
-  // The origin, the sides and the strides are even, so the indices in the box have the parities of the coordinates.
+  // The origin and the sides are even, so the indices in the box have the parities of the coordinates.
   uint32_t ParityClass(uint32_t number) const {
     const uint32_t i = Quotient(number, reciprocal[0]), row = Quotient(number, reciprocal[1]);
     return (i & 1) << 2 | (row & 1) << 1 | (number & 1);

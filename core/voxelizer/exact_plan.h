@@ -46,9 +46,9 @@ struct ExactInput {
 
 // Why any thread can compute tiles in any grouping: a tile needs only the plan, the interior of a solid, and the
 // triangles within its far margin. That margin covers all voxels that can affect thinning in the tile (kThinHalo
-// steps), and one more step for the triangles that reach these. A block that is thinned within the near margin reports
-// whether that was enough (core/thin/thin.h). `kept` leaves out only triangles that cross no lattice line, and tiny
-// ones, whose links are in `links`. No tile changes the plan.
+// steps), and one more step for the triangles that reach these. Both margins cover the reach of the mesh's numbers. A
+// block that is thinned within the near margin reports whether that was enough (core/thin/thin.h). `kept` leaves out
+// only triangles that cross no lattice line, and tiny ones, whose links are in `links`. No tile changes the plan.
 struct ExactPlan {
   ExactInput input;
   std::vector<ScanFrame> scan_frames;

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <utility>
 
+#include "core/fields/near_numbers.h"
 #include "core/fields/triangle_index.h"
 #include "core/solid/interior.h"
 #include "core/solid/labeled_interior.h"
@@ -27,6 +28,10 @@ constexpr uint64_t kLabelThreadBytes = uint64_t{12} << 20;
 constexpr uint64_t kFieldThreadBytes = uint64_t{4} << 20, kFieldThreadVoxels = uint64_t{2} << 20;
 // The same for fields of many numbers, which are too large for such generosity: two full tiles, or blocks of a surface.
 constexpr uint64_t kLargeFieldThreadVoxels = uint64_t{1} << 19;
+
+// Numbers of the mesh alone take lists of the triangles near two cubes. A triangle is seldom near more than two tiles
+// in flight.
+constexpr uint64_t kListBytesPerTriangle = 2 * 2 * NearNumbers::kBytesPerTriangle;
 
 // The mesh: its arrays and those of the job, as measured, and half as much again. A field of the mesh counts twice for
 // each vertex: in the job's mesh, and in a mesh that the store has dropped since.
@@ -80,6 +85,13 @@ absl::Status JobMemory::ReserveKept(uint64_t bricks) {
 
 void JobMemory::Free() { memory_.Shrink(0); }
 
+// For the search for the nearest triangles, by an index or lists.
+uint64_t JobMemory::SearchBytesPerTriangle(const FieldList& nearest) const {
+  if (nearest.empty()) return 0;
+  static_assert(kListBytesPerTriangle > TriangleIndex::kBytesPerTriangle);
+  return nearest == request_.fields.OfMesh() ? kListBytesPerTriangle : TriangleIndex::kBytesPerTriangle;
+}
+
 // For a job with a mesh of this size.
 uint64_t JobMemory::BytesOf(uint64_t triangles, uint64_t vertices) const {
   const FieldList nearest = request_.fields.OfNearest();
@@ -89,9 +101,7 @@ uint64_t JobMemory::BytesOf(uint64_t triangles, uint64_t vertices) const {
   const uint64_t of_thread = (request_.fields.empty() ? 0 : kFieldThreadBytes) + kFieldThreadVoxels * small +
                              kLargeFieldThreadVoxels * large + (has_fraction ? kFractionThreadBytes : 0) +
                              FractionLabels() * kLabelFractionThreadBytes;
-  // Fields take an index of the triangles, or lists of those near the tiles in flight.
-  const uint64_t of_triangle =
-      (nearest.empty() ? 0 : TriangleIndex::kBytesPerTriangle) + (IsLabeled() ? kLabelBytesPerTriangle : 0);
+  const uint64_t of_triangle = SearchBytesPerTriangle(nearest) + (IsLabeled() ? kLabelBytesPerTriangle : 0);
   return kStreamBytes + threads_ * (kThreadBytes + of_thread) + triangles * (kBytesPerTriangle + of_triangle) +
          vertices * (kBytesPerVertex + request_.fields.OfMesh().size() * kBytesPerMeshField +
                      (has_fraction ? kFractionBytesPerVertex : 0));

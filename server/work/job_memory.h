@@ -59,6 +59,7 @@ class JobMemory {
   uint64_t most_bytes() const { return memory_.most_bytes(); }
 
  private:
+  uint64_t SearchBytesPerTriangle(const FieldList& nearest) const;
   uint64_t BytesOf(uint64_t triangles, uint64_t vertices) const;
   uint64_t BytesOfSolid(double line_crossings) const;
   bool IsLabeled() const;

@@ -1,6 +1,7 @@
 // Numbers of the mesh alone, which mostly need no nearest triangle, are those beside a field that needs it.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <random>
@@ -20,11 +21,13 @@ namespace {
 
 using Carried = std::map<Vec3i, VoxelFields>;
 
-// Overlapping spheres: their triangles are far smaller than voxels, about as large, and far larger.
+// Of overlapping spheres: their triangles are far smaller than voxels, about as large, and far larger.
+constexpr std::array kRings{30, 12, 4};
+
 TriangleMesh Spheres() {
   TriangleMesh mesh;
   float x = 0;
-  for (const int rings : {30, 12, 4}) {
+  for (const int rings : kRings) {
     TriangleMesh sphere = Sphere(rings, 5.9F);
     const auto first = static_cast<uint32_t>(mesh.vertices.size());
     for (const Vec3f& v : sphere.vertices) mesh.vertices.push_back({v[0] + x, v[1] + x / 3, v[2] - x / 7});
@@ -91,13 +94,34 @@ TEST(NumbersAlone, AreThoseOfTheNearestTriangle) {
 
 TEST(NumbersAlone, OfLabeledSolidsAreThoseOfTheNearestTriangle) {
   TriangleMesh mesh = Spheres();
-  for (size_t n = 0; n < mesh.vertices.size(); ++n) mesh.attributes.push_back(n < 7200 ? 1 : n < 8352 ? 2 : 0);
+  for (uint32_t sphere = 0; sphere < kRings.size(); ++sphere) {
+    const auto quads = static_cast<size_t>(2 * kRings[sphere] * kRings[sphere]);
+    mesh.attributes.insert(mesh.attributes.end(), 4 * quads, (sphere + 1) % 3);
+  }
+  ASSERT_EQ(mesh.attributes.size(), mesh.vertices.size());
   for (const Lattice& lattice : Lattices()) {
     const Grid grid = Unscaled(lattice);
     const VoxelizeOptions options{.set = Solid{.labels = Field::kPart}, .fields = {Field::kPart}};
     const Result result = Voxelize(mesh, grid, options);
+    EXPECT_GT(result.totals.voxels, 30U) << lattice.name();
     EXPECT_EQ(FieldsByVoxel(result.tiles, options.fields), BesideTriangles(mesh, grid, options)) << lattice.name();
     ExpectPartsAddUp(mesh, grid, options, result);
+  }
+}
+
+// The reach along one axis is many voxels there.
+TEST(NumbersAlone, OnFlatLattices) {
+  TriangleMesh mesh = Spheres();
+  for (const double height : {0.2, 0.01}) {
+    const Lattice lattice = *Lattice::FromBasis({Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, height}});
+    for (const Numbering& numbering : Numberings(mesh)) {
+      if (numbering.fields != 1) continue;
+      mesh.attributes = numbering.numbers;
+      const VoxelizeOptions options{.set = SupercoverSurface{}, .fields = {Field::kPart}};
+      const Carried alone = FieldsByVoxel(Voxelize(mesh, Unscaled(lattice), options).tiles, options.fields);
+      EXPECT_GT(alone.size(), 100U);
+      EXPECT_EQ(alone, BesideTriangles(mesh, Unscaled(lattice), options)) << height << ' ' << numbering.name;
+    }
   }
 }
 
@@ -109,8 +133,9 @@ TEST(NumbersAlone, CountTrianglesThatMeetNoLatticeLine) {
   for (size_t n = 0; n < mesh.vertices.size(); ++n) mesh.attributes.push_back(static_cast<uint32_t>(random() % 1000));
   for (VoxelizeOptions options : Sets()) {
     options.fields = {Field::kPart};
-    EXPECT_EQ(FieldsByVoxel(Voxelize(mesh, Unscaled(lattice), options).tiles, options.fields),
-              BesideTriangles(mesh, Unscaled(lattice), options));
+    const Carried alone = FieldsByVoxel(Voxelize(mesh, Unscaled(lattice), options).tiles, options.fields);
+    EXPECT_GT(alone.size(), 10U);
+    EXPECT_EQ(alone, BesideTriangles(mesh, Unscaled(lattice), options));
   }
 }
 

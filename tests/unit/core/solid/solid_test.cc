@@ -225,7 +225,7 @@ TEST(Solids, WithoutOneSideAreRefusedWhereverItIs) {
     const absl::Status status = (*job)->Prepare();
     if (status.message() ==
         "mesh: it is not closed, although all lattice lines along k end balanced; force_open fills "
-        "along them") {
+        "along these lines") {
       ++balanced;
     } else {
       EXPECT_EQ(status.message(),

@@ -59,11 +59,11 @@ TEST(JobMemory, ReservesForTheStreamEachThreadAndTheMesh) {
 
 TEST(JobMemory, ReservesForFieldsByThreadsAndVertices) {
   const VoxelRequest one{.fields = {Field::kColor}}, two{.fields = {Field::kPart, Field::kColor}};
-  constexpr uint64_t kOfIndex = kTriangles * 64;
+  constexpr uint64_t kOfIndex = kTriangles * 64, kOfLists = kTriangles * 112;
   EXPECT_EQ(ReservedForMesh(one, kThreads, kTriangles, kVertices),
-            kOfMesh + 3 * (4 + 2 * 3) * kMebibyte + kOfIndex + 600 * 8);
+            kOfMesh + 3 * (4 + 2 * 3) * kMebibyte + kOfLists + 600 * 8);
   EXPECT_EQ(ReservedForMesh(two, kThreads, kTriangles, kVertices),
-            kOfMesh + 3 * (4 + 2 * 7) * kMebibyte + kOfIndex + 600 * 2 * 8);
+            kOfMesh + 3 * (4 + 2 * 7) * kMebibyte + kOfLists + 600 * 2 * 8);
   const VoxelRequest normal{.fields = {Field::kNormal}};  // the mesh's vertices carry nothing for it
   EXPECT_EQ(ReservedForMesh(normal, kThreads, kTriangles, kVertices),
             kOfMesh + 3 * (4 + 2 * 12) * kMebibyte + kOfIndex);
