@@ -1,5 +1,6 @@
 #include "server/work/work_queue.h"
 
+#include <oneapi/tbb/task_group.h>
 #include <pthread.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -7,6 +8,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <future>
 #include <thread>
 
 #include "server/base/log.h"
@@ -30,23 +32,27 @@ int PlacesFor(int threads) { return std::max(threads, 2); }
 }  // namespace
 
 // A thread that waits in the arena for an event that comes only at the end. Like every thread that waits within oneTBB,
-// it runs the arena's tasks meanwhile, and sleeps while there are none.
+// it runs the arena's tasks meanwhile, and sleeps while there are none. The event is that a handle goes, which this
+// thread makes: it must not outlive its maker.
 class WorkQueue::Resident {
  public:
   Resident(oneapi::tbb::task_arena& arena, int niceness)
-      : end_(awaited_.defer([] {})), thread_([this, &arena, niceness] {
+      : thread_([this, &arena, niceness] {
           pthread_setname_np(pthread_self(), "latvoxd-bulk");
           AddToNiceness(niceness);
-          arena.execute([this] { awaited_.wait(); });
+          arena.execute([this] {
+            end_.set_value(awaited_.defer([] {}));
+            awaited_.wait();
+          });
         }) {}
   ~Resident() {
-    end_ = {};
+    end_.get_future().get() = {};
     thread_.join();
   }
 
  private:
   oneapi::tbb::task_group awaited_;
-  oneapi::tbb::task_handle end_;
+  std::promise<oneapi::tbb::task_handle> end_;
   std::thread thread_;
 };
 
@@ -57,5 +63,22 @@ WorkQueue::WorkQueue(int threads, int niceness)
 }
 
 WorkQueue::~WorkQueue() noexcept { Wait(); }
+
+void WorkQueue::Wait() {
+  std::unique_lock lock(mu_);
+  no_tasks_.wait(lock, [this] { return tasks_ == 0; });
+}
+
+WorkQueue::Counted WorkQueue::CountTask() {
+  const std::lock_guard lock(mu_);
+  ++tasks_;
+  return Counted(this);
+}
+
+// Notifies under mu_, because the queue may go as soon as the waiting thread has mu_.
+void WorkQueue::UncountTask() {
+  const std::lock_guard lock(mu_);
+  if (--tasks_ == 0) no_tasks_.notify_all();
+}
 
 }  // namespace latvox

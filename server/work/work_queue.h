@@ -3,14 +3,19 @@
 //
 // oneTBB's workers go from arena to arena, and a thread that has lowered its priority cannot raise it again without
 // privileges (RLIMIT_NICE). So a queue of lower priority has threads of its own, which stay.
+//
+// Threads of gRPC enqueue tasks, and may end before the tasks run. In oneTBB 2022.1, which Debian 13 has, a task of a
+// task_group then uses memory that has been freed. So a queue has no task_group for them, and counts them itself.
 #ifndef LATVOX_SERVER_WORK_WORK_QUEUE_H_
 #define LATVOX_SERVER_WORK_WORK_QUEUE_H_
 
 #include <oneapi/tbb/task_arena.h>
-#include <oneapi/tbb/task_group.h>
 
 #include <atomic>
+#include <condition_variable>
+#include <cstddef>
 #include <memory>
+#include <mutex>
 #include <utility>
 #include <vector>
 
@@ -34,14 +39,11 @@ class WorkQueue {
   template <class F>
   void Enqueue(F task) {
     ++waiting_;
-    arena_.enqueue(tasks_.defer([this, task = std::move(task)]() noexcept {
-      --waiting_;
-      task();
-    }));
+    arena_.enqueue(Task<F>{CountTask(), std::move(task)});
   }
 
   // Waits for all tasks.
-  void Wait() { tasks_.wait(); }
+  void Wait();
 
   // Whether tasks wait for running ones; long tasks should make way.
   bool contended() const { return waiting_ > 0; }
@@ -49,11 +51,31 @@ class WorkQueue {
  private:
   class Resident;
 
+  struct Uncount {
+    void operator()(WorkQueue* queue) const { queue->UncountTask(); }
+  };
+  using Counted = std::unique_ptr<WorkQueue, Uncount>;
+
+  // It is counted until `task` has been destroyed, with all that it holds.
+  template <class F>
+  struct Task {
+    void operator()() const noexcept {
+      --counted->waiting_;
+      task();
+    }
+    Counted counted;
+    F task;
+  };
+
+  Counted CountTask();
+  void UncountTask();
+
   const int threads_;
   oneapi::tbb::task_arena arena_;
-  oneapi::tbb::task_group_context context_{oneapi::tbb::task_group_context::isolated};
-  oneapi::tbb::task_group tasks_{context_};
   std::atomic<int> waiting_ = 0;
+  std::mutex mu_;
+  std::condition_variable no_tasks_;
+  size_t tasks_ = 0;  // guarded by mu_
   std::vector<std::unique_ptr<Resident>> residents_;
 };
 

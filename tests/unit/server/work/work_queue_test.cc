@@ -140,6 +140,23 @@ TEST(WorkQueue, EndsOnceItsTasksHaveRun) {
   }
 }
 
+// Threads of gRPC come and go.
+TEST(WorkQueue, ItsTasksOutliveTheThreadsThatMadeThemAndTheQueue) {
+  for (const int niceness : {0, kNiceness}) {
+    std::atomic<int> ran = 0;
+    std::promise<void> go_on;
+    std::unique_ptr<WorkQueue> queue;
+    std::thread([&] { queue = std::make_unique<WorkQueue>(1, niceness); }).join();
+    queue->Enqueue([&] { go_on.get_future().wait(); });
+    for (int n = 0; n < 100; ++n) {
+      std::thread([&] { queue->Enqueue([&] { ++ran; }); }).join();
+    }
+    go_on.set_value();
+    queue.reset();
+    EXPECT_EQ(ran, 100);
+  }
+}
+
 TEST(WorkQueue, SaysWhetherTasksWait) {
   std::promise<void> began, go_on;
   WorkQueue queue(1, kNiceness);
