@@ -288,6 +288,7 @@ FORKED = """
 import latvox, os, sys, warnings
 mesh = os.environ["BUNNY"]
 {before}
+warnings.filterwarnings("ignore", ".* is multi-threaded", DeprecationWarning)  # Python from 3.12 on
 pid = os.fork()
 if pid == 0:
     try:
