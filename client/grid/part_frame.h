@@ -16,7 +16,7 @@ struct PartFrame {
   bool has_fields = false;      // or is a band; then the leaves are not given
   bool is_nano = false;
   uint64_t leaves_at = 0;  // place in the file
-  uint64_t leaves = 0;     // of kVdbLeafBytes or kNanoLeafBytes each, in the tree's order (TreePlace)
+  uint64_t leaves = 0;     // one after the other, in the tree's order (TreePlace)
 };
 
 // Read the frame, and check each length in it. They throw std::runtime_error with the reason; exceptions of OpenVDB;

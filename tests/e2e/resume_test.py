@@ -44,7 +44,7 @@ class Resume(Case):
         try:
             yield running.enter_context(harness.server(directory, *SLOW))
         finally:
-            with contextlib.suppress(AssertionError):  # of harness.server; those of the test are none of these
+            with contextlib.suppress(AssertionError):  # harness.server asks for a good end
                 running.close()
 
     def test_another_server_goes_on(self):

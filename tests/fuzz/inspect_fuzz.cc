@@ -41,7 +41,7 @@ void CheckMetaImage(const std::string& path) {
   if (facts.status().code() != absl::StatusCode::kNotFound) Check(facts);
 }
 
-// A process without rights reads what is compressed.
+// ReadNanoFileInfo refuses a compressed grid: latvox reads it in a process without rights.
 void CheckNano(const std::string& path) {
   const auto facts = ReadNanoFileInfo(path);
   if (facts.status().code() != absl::StatusCode::kFailedPrecondition) Check(facts);

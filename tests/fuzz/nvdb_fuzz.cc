@@ -44,9 +44,9 @@ void Merge(std::istream& in) {
 }  // namespace latvox::client
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  static const bool ready = (openvdb::initialize(), true);
+  [[maybe_unused]] static const bool ready = (openvdb::initialize(), true);
   const std::string bytes(reinterpret_cast<const char*>(data), size);
-  if (!ready || size == 0) return 0;
+  if (size == 0) return 0;
   latvox::client::Try(bytes, latvox::client::Unpack);
   latvox::client::Try(bytes, latvox::client::Merge);
   return 0;

@@ -42,8 +42,8 @@ void AppendWords(std::initializer_list<uint32_t> words, std::string& out) {
   for (const uint32_t word : words) AppendTo(out, word);
 }
 
-// The triangles of the facets that have no voxel behind them. They are made again for each part of the file, so they
-// take no memory: 2 bytes for each voxel, and those of the bricks. Voxels do not share corners.
+// The triangles of the facets that have no voxel behind them. They are made again for each part of the file, so memory
+// holds none of them: it holds the bricks, and 2 bytes for each voxel. Voxels do not share corners.
 class Surface {
  public:
   // `bricks` must outlive the surface.

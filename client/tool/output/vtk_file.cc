@@ -14,8 +14,7 @@ namespace {
 constexpr uint64_t kBlock = uint64_t{1} << 20;
 
 // Returns everything before the appended data. The length does not depend on the offsets: spaces follow a short one,
-// because meshio finds no array by an offset with leading zeros. It also expects that single components go without
-// saying.
+// because meshio finds no array by an offset with leading zeros. It also expects no NumberOfComponents of 1.
 //   offsets   of each array from the first byte of the data on
 std::string Head(const VtkFile& vtk, const std::vector<uint64_t>& offsets) {
   std::string head = absl::StrCat("<?xml version=\"1.0\"?>\n<VTKFile type=\"", vtk.kind,
@@ -40,8 +39,8 @@ std::string_view BytesOfHead(const std::vector<uint64_t>& words) {
   return {reinterpret_cast<const char*>(words.data()), words.size() * sizeof(words[0])};
 }
 
-// Appends an array: the number of blocks, the bytes of a block and of a last one that is shorter, the compressed bytes
-// of each, and the blocks.
+// Appends an array: the number of blocks, the bytes of a block and of a shorter last one, the compressed bytes of each,
+// and the blocks.
 //   at   place in the file, which moves on
 absl::Status Append(const VtkArray& array, AtomicFile& file, uint64_t& at) {
   const uint64_t blocks = (array.bytes + kBlock - 1) / kBlock;

@@ -43,9 +43,9 @@ using ReadPart = std::function<absl::StatusOr<GridContent>(const std::string& pa
 //
 // Errors:
 //   NOT_FOUND            there is no such file; the message names it
-//   INVALID_ARGUMENT     with the file: it is not a whole .vdb or .nvdb file of latvox, is a compressed .nvdb file, or
-//   is given twice, or does not belong to one
-//                        whole with the others (with field and values); shards are missing
+//   INVALID_ARGUMENT     a file is not a whole .vdb or .nvdb file of latvox, is compressed, or is given twice
+//                        a file does not belong to one whole with the others; the message has field and values
+//                        shards are missing
 //   RESOURCE_EXHAUSTED   too many open files; memory
 //   UNKNOWN              `path` cannot be written
 //   CANCELLED            by `cancellation`
