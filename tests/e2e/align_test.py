@@ -32,7 +32,7 @@ class Align(Case):
         (self.dir / "jobs.jsonl").write_text(json.dumps({"mesh": str(BUNNY), "align": "s3://b/first.vdb", "out": "a.csv"}))
         done = latvox("batch", self.dir / "jobs.jsonl", "--out", self.dir / "out")
         self.assertEqual(done.returncode, 3, done.stderr)
-        self.assertIn('align: "s3://b/first.vdb" is on another machine; download it', done.stderr)
+        self.assertIn('align: "s3://b/first.vdb" is a URL; download it', done.stderr)
 
     def test_jobs_are_aligned_to_files_beside_theirs_and_done_again_for_another_grid(self):
         mesh = write_obj(self.dir / "a.obj", octahedron(2))

@@ -193,7 +193,10 @@ class Convert(Case):
                       ["render", url, "-o", "a.png"], ["slice", url, "-o", "a.png"], ["view", url, "-o", "a.html"]):
             done = latvox(*words)
             self.assertEqual(done.returncode, 2, done.stderr)
-            self.assertIn('"https://example.org/a.vdb" is on another machine; download it', done.stderr)
+            self.assertIn("https://example.org/a.vdb", done.stderr)
+            self.assertIn(" is a URL; download it", done.stderr)
+            self.assertNotIn("secret", done.stderr)
+        self.assertIn('"file:///a.vdb" is a URL; give the path alone', latvox("info", "file:///a.vdb").stderr)
 
     def test_grids_that_cannot_be_read(self):
         density = pyopenvdb.FloatGrid()

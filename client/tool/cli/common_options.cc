@@ -59,17 +59,12 @@ OptionCheck Whole(int low, int high) {
 }
 
 std::string CheckIsHere(const std::string& path) {
-  if (!absl::StrContains(path, "://")) return "";
-  return absl::StrCat("\"", WithoutQuery(path), "\" is on another machine; download it");
+  if (IsRemote(path)) return absl::StrCat("\"", Redact(path), "\" is a URL; download it");
+  return absl::StartsWith(path, "file://") ? absl::StrCat("\"", path, "\" is a URL; give the path alone") : "";
 }
 
-OptionRow GridFileRow(std::string& path) {
-  return {.names = "file",
-          .target = &path,
-          .help = "OpenVDB or NanoVDB file",
-          .value = "IN.vdb",
-          .checks = {{CheckIsHere}},
-          .required = true};
+OptionRow GridFileRow(std::string& path, const std::string& name, const std::string& help, const std::string& value) {
+  return {.names = name, .target = &path, .help = help, .value = value, .checks = {{CheckIsHere}}, .required = true};
 }
 
 OptionRow OutputRow(const std::vector<std::string>& extensions, std::vector<std::string>& outputs, bool several,

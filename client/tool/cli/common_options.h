@@ -42,12 +42,6 @@ bool ParseNumber(absl::string_view text, T& number) {
   return true;
 }
 
-// Checks a file that must be on this machine: only meshes, and the outputs of a request, may be elsewhere.
-std::string CheckIsHere(const std::string& path);
-
-// The row of a command's input: a grid on this machine.
-OptionRow GridFileRow(std::string& path);
-
 // Parses "1,2,3" as exactly N numbers.
 template <class T, size_t N>
 bool ParseNumbers(const std::string& text, std::array<T, N>& numbers) {
@@ -114,6 +108,14 @@ template <class... Parts>
 
 // Returns the absolute path. Links are resolved as far as the path exists.
 std::filesystem::path Place(const std::string& path);
+
+// Checks a file that must be on this machine: only meshes, and the outputs of a request, may be elsewhere. Returns the
+// error, or "".
+std::string CheckIsHere(const std::string& path);
+
+// The row of a command's input: a grid on this machine.
+OptionRow GridFileRow(std::string& path, const std::string& name = "file",
+                      const std::string& help = "OpenVDB or NanoVDB file", const std::string& value = "IN.vdb");
 
 // -o, --out
 //   several   whether the command writes more than one output

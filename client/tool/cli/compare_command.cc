@@ -123,18 +123,8 @@ void AddCompareOptions(CommandParser& command, CompareWords& words) {
   OptionRow output = OutputRow({".vdb", ".png"}, words.outputs, /*several=*/true);
   output.help = "Write the difference: a grid of the voxels that differ (.vdb), or a picture (.png); may be repeated";
   output.required = false;
-  command.Add({{.names = "a",
-                .target = &words.a,
-                .help = "First OpenVDB or NanoVDB file",
-                .value = "A.vdb",
-                .checks = {{CheckIsHere}},
-                .required = true},
-               {.names = "b",
-                .target = &words.b,
-                .help = "Second OpenVDB or NanoVDB file",
-                .value = "B.vdb",
-                .checks = {{CheckIsHere}},
-                .required = true},
+  command.Add({GridFileRow(words.a, "a", "First OpenVDB or NanoVDB file", "A.vdb"),
+               GridFileRow(words.b, "b", "Second OpenVDB or NanoVDB file", "B.vdb"),
                {.names = "--voxels",
                 .target = &words.voxels_only,
                 .help = "Compare only the voxels and their positions, neither fields nor metadata"},

@@ -121,14 +121,11 @@ std::string FillText(const Certificate& certificate) {
   return text;
 }
 
-// A way around a closed mesh leads through no opening.
+// A closed mesh may have openings, too: a bottle's.
 std::string LeakText(const Leak& leak, bool closed, double voxel_size) {
   const std::string from = absl::StrJoin(leak.from, ",");
   if (leak.kind == Leak::Kind::kFound && leak.steps == 0) {
     return absl::StrCat("no leak: lattice point ", from, " lies outside of the mesh's box\n");
-  }
-  if (closed && (leak.kind == Leak::Kind::kFound || leak.kind == Leak::Kind::kBoxTooLarge)) {
-    return absl::StrCat("no leak: the mesh is closed, and lattice point ", from, " lies outside of it\n");
   }
   switch (leak.kind) {
     case Leak::Kind::kNone:
@@ -143,8 +140,9 @@ std::string LeakText(const Leak& leak, bool closed, double voxel_size) {
   }
   return absl::StrFormat(
       "leak: the walk from lattice point %s gets outside in %d steps, through an opening around %s\n"
-      "      its middle is %.4g from the mesh; --close %.3g may close it\n",
-      from, leak.steps, absl::StrJoin(leak.narrowest_world, ","), leak.room, 2 * leak.room + voxel_size);
+      "      its middle is %.4g from the mesh; --close %.3g may close it\n%s",
+      from, leak.steps, absl::StrJoin(leak.narrowest_world, ","), leak.room, 2 * leak.room + voxel_size,
+      closed ? "      the mesh is closed, so the point lies outside of it, perhaps in a hollow of its surface\n" : "");
 }
 
 std::string WalkText(const Certificate& certificate, double voxel_size) {
