@@ -5,7 +5,6 @@
 #include <limits>
 #include <set>
 
-#include "absl/strings/match.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
 #include "client/internal/trace_context.h"
@@ -59,8 +58,7 @@ OptionCheck Whole(int low, int high) {
 }
 
 std::string CheckIsHere(const std::string& path) {
-  if (IsRemote(path)) return absl::StrCat("\"", Redact(path), "\" is a URL; download it");
-  return absl::StartsWith(path, "file://") ? absl::StrCat("\"", path, "\" is a URL; give the path alone") : "";
+  return IsRemote(path) ? absl::StrCat("\"", Redact(path), "\" is a URL; download it") : "";
 }
 
 OptionRow GridFileRow(std::string& path, const std::string& name, const std::string& help, const std::string& value) {
