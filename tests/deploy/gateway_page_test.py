@@ -225,6 +225,25 @@ class Page(PageCase):
         self.shown(tab)
         self.assert_npz(tab)
 
+    def test_an_npz_of_too_many_bytes_is_refused(self):
+        # Two voxels far apart, and a field of 32 labels.
+        told = self.tab().run(
+            """import('./npz.js').then(({ npzOf }) => {
+          const bricks = new Uint8Array(2 * 76), view = new DataView(bricks.buffer);
+          const columns = Array.from({ length: 32 }, (_, n) => `fraction_${n}`);
+          for (let m = 0; m < 3; ++m) view.setInt32(76 + 4 * m, 32, true);
+          bricks[12] = bricks[88] = 1;
+          const labels = { name: 'label_fractions', values: new Uint16Array(64), empty: 0, columns };
+          try {
+            npzOf(bricks, {}, [labels], {});
+          } catch ({ message }) {
+            return message;
+          }
+        })"""
+        )
+        wanted = "arrays over 257 × 257 × 257 points have 1103348569 bytes, more than 1073741824"
+        self.assertEqual(told, f".npz: {wanted}; the .csv has all voxels")
+
     def test_keys_formats_cells_and_errors(self):
         tab = self.tab("#resolution=30")
         counts = tab.run(

@@ -3,7 +3,7 @@ import { zipSync } from 'fflate';
 import { forEachVoxel } from './bricks.js';
 import { isOfLinks } from './fields.js';
 
-const MOST_CELLS = 1 << 26;
+const MOST_BYTES = 1 << 30; // of all arrays of a file
 
 const TYPES = new Map([
   [Uint8Array, '|u1'],
@@ -26,29 +26,46 @@ function npyOf(array, shape) {
   return bytes;
 }
 
-// Returns a .npy of `components` numbers of each voxel, from the one of the number `first` on.
-function denseOf(bricks, { low, size }, { values, columns, empty }, first, components) {
-  const array = new values.constructor(components * size[0] * size[1] * size[2]).fill(empty);
-  forEachVoxel(bricks, (i, j, k, number) => {
-    const at = ((i - low[0]) * size[1] + j - low[1]) * size[2] + k - low[2];
-    for (let n = 0; n < components; ++n) array[components * at + n] = values[columns.length * number + first + n];
+// Returns i, j, k of each voxel, in the order of the fields' values.
+function placesOf(bricks) {
+  const places = new Int32Array(3 * forEachVoxel(bricks));
+  forEachVoxel(bricks, (i, j, k, number) => places.set([i, j, k], 3 * number));
+  return places;
+}
+
+// Returns the smallest box of the voxels.
+function boxOf(places) {
+  if (places.length === 0) return { low: [0, 0, 0], size: [0, 0, 0] };
+  const low = [...places.subarray(0, 3)],
+    high = [...low];
+  places.forEach((n, at) => {
+    low[at % 3] = Math.min(low[at % 3], n);
+    high[at % 3] = Math.max(high[at % 3], n);
   });
+  return { low, size: high.map((n, m) => n + 1 - low[m]) };
+}
+
+// Returns a .npy of `components` numbers of each voxel, from the one of the number `first` on.
+function denseOf(places, { low, size }, { values, columns, empty }, first, components) {
+  const array = new values.constructor(components * size[0] * size[1] * size[2]).fill(empty);
+  for (let number = 0; 3 * number < places.length; ++number) {
+    const [x, y, z] = [0, 1, 2].map((m) => places[3 * number + m] - low[m]),
+      at = (x * size[1] + y) * size[2] + z;
+    for (let n = 0; n < components; ++n) array[components * at + n] = values[columns.length * number + first + n];
+  }
   return npyOf(array, components > 1 ? [...size, components] : size);
 }
 
 // Returns [name, .npy] of each array of a field. Labels have one each.
-function arraysOf(bricks, box, field) {
+function arraysOf(places, box, field) {
   const { name, columns } = field;
-  if (name === 'label_fractions') return columns.map((label, n) => [label, denseOf(bricks, box, field, n, 1)]);
-  return [[name, denseOf(bricks, box, field, 0, columns.length)]];
+  if (name === 'label_fractions') return columns.map((label, n) => [label, denseOf(places, box, field, n, 1)]);
+  return [[name, denseOf(places, box, field, 0, columns.length)]];
 }
 
 // Returns the arrays of links: a row for each voxel, and none for other points of the box.
-function linksOf(bricks, voxels, neighbors, fields) {
-  const places = new Int32Array(3 * voxels);
-  forEachVoxel(bricks, (i, j, k, number) => places.set([i, j, k], 3 * number));
+function linksOf(voxels, neighbors, fields) {
   return [
-    ['ijk', npyOf(places, [voxels, 3])],
     ['neighbors', npyOf(Int32Array.from(neighbors.flat()), [neighbors.length, 3])],
     ...fields.map(({ name, values }) => [name, npyOf(values, [voxels, neighbors.length])]),
   ];
@@ -65,19 +82,28 @@ function placeOf({ low }, { origin, basis }) {
   };
 }
 
-// Returns the bytes of the file. Throws an Error for too large a box.
-export function npzOf(bricks, { low, high, grid }, fields, { neighbors }) {
-  const box = { low, size: high.map((n, m) => n - low[m]) },
-    cells = box.size.reduce((product, n) => product * n, 1);
-  if (cells > MOST_CELLS)
-    throw new Error(`.npz: the voxels' box has ${cells} points, more than ${MOST_CELLS}; the .csv has all voxels`);
-  const voxels = forEachVoxel(bricks),
-    data = { name: 'data', values: new Uint8Array(voxels).fill(1), empty: 0, columns: ['data'] },
+const sum = (numbers) => numbers.reduce((total, n) => total + n, 0);
+
+// Returns the bytes of the file. Throws an Error for too large arrays.
+export function npzOf(bricks, { grid }, fields, { neighbors }) {
+  const places = placesOf(bricks),
+    voxels = places.length / 3,
+    box = boxOf(places),
+    data = { name: 'data', values: new Uint8Array(voxels).fill(1), empty: 0, columns: ['data'] };
+  const dense = [data, ...fields.filter((field) => !isOfLinks(field))],
     ofLinks = fields.filter(isOfLinks);
+  const element = sum(dense.map(({ values, columns }) => columns.length * values.BYTES_PER_ELEMENT)),
+    rows = places.byteLength + sum(ofLinks.map(({ values }) => values.byteLength)),
+    bytes = box.size.reduce((product, n) => product * n, element) + rows;
+  if (bytes > MOST_BYTES) {
+    const about = `arrays over ${box.size.join(' × ')} points have ${bytes} bytes, more than ${MOST_BYTES}`;
+    throw new Error(`.npz: ${about}; the .csv has all voxels`);
+  }
   const all = [
-    ...[data, ...fields.filter((field) => !isOfLinks(field))].flatMap((field) => arraysOf(bricks, box, field)),
-    ...(ofLinks.length > 0 ? linksOf(bricks, voxels, neighbors, ofLinks) : []),
+    ...dense.flatMap((field) => arraysOf(places, box, field)),
+    ['ijk', npyOf(places, [voxels, 3])],
+    ...(ofLinks.length > 0 ? linksOf(voxels, neighbors, ofLinks) : []),
     ...Object.entries(placeOf(box, grid)),
   ];
-  return zipSync(Object.fromEntries(all.map(([name, bytes]) => [`${name}.npy`, bytes])), { level: 1 });
+  return zipSync(Object.fromEntries(all.map(([name, array]) => [`${name}.npy`, array])), { level: 1 });
 }
