@@ -161,7 +161,22 @@ class PageSettings(PageCase):
         tab.run("location.hash = 'resolution=500&set=supercover&k=7'")
         tab.rest()
         self.assertIn('k: "7" is not one of 0, 1, 2', self.error(tab))
-        self.assertEqual(tab.run("document.getElementById('cancel').hidden"), True)
+        hidden = "['cancel', 'result'].map((id) => document.getElementById(id).hidden)"
+        self.assertEqual(tab.run(hidden), [True, True])
+        self.submit(tab)
+        self.shown(tab)
+        tab.run("location.hash = 'resolution=20'")
+        tab.rest()
+        self.assertEqual(tab.run(hidden), [True, True])
+
+    def test_a_wrong_link_keeps_a_mesh_that_is_right(self):
+        tab = self.tab("#resolution=20")
+        self.drop(tab, "a.stl", stl(self.mesh))
+        digest = self.shown(tab)["digest"]
+        again = self.tab(tab.run("location.hash").replace("k=0", "k=7"))
+        self.assertIn('k: "7" is not one of 0, 1, 2', self.error(again))
+        self.submit(again)
+        self.assertEqual(self.shown(again)["digest"], digest)
 
     def test_a_wrong_value_in_the_form_is_an_error(self):
         tab = self.tab("#resolution=20")

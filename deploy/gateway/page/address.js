@@ -45,8 +45,8 @@ function meshOf(words) {
   return { name: words.get('name') ?? 'mesh', spec, bytes: null, textured, sha256: words.get('mesh') };
 }
 
-// Returns { texts, mesh, fault }: the settings that are right by themselves, the mesh or null, and what is wrong or
-// null.
+// Returns { texts, mesh, fault }: the settings that are right by themselves, the mesh or null if it is wrong or missing,
+// and what is wrong or null.
 export function readAddress(hash, initial) {
   const words = new URLSearchParams(hash.slice(1)),
     given = Object.fromEntries([...words].filter(([name]) => Object.hasOwn(SETTINGS, name))),
@@ -55,11 +55,12 @@ export function readAddress(hash, initial) {
     Object.entries(given).filter(([name, text]) => faultOf({ [name]: text }, all) === null),
   );
   const idle = Object.keys(given).find((name) => given[name] !== initial[name] && !counts(name, all));
+  const wrongMesh = faultOfMesh(words.get('mesh'), words.get('raw'));
   const fault =
     faultOfNames([...words.keys()]) ??
     faultOf(given, all)?.message ??
     (idle === undefined ? null : `${idle}: "${given[idle]}" counts only ${SETTINGS[idle].only}`) ??
     faultOf(counting(all), all)?.message ??
-    faultOfMesh(words.get('mesh'), words.get('raw'));
-  return { texts, mesh: fault === null && words.has('mesh') ? meshOf(words) : null, fault };
+    wrongMesh;
+  return { texts, mesh: wrongMesh === null && words.has('mesh') ? meshOf(words) : null, fault };
 }

@@ -121,7 +121,7 @@ async function run() {
   if (state.mesh === null) return;
   state.job?.cancel();
   const job = (state.job = state.fault === null ? jobOf() : sayFault());
-  byId('result').hidden = true; // its buttons save the last job
+  byId('result').hidden = true;
   setRunning(Boolean(job));
   if (!job) return;
   try {
@@ -223,6 +223,7 @@ function saveJson() {
 function restore() {
   state.job?.cancel();
   state.job = null;
+  byId('result').hidden = true; // its buttons save the last job
   setRunning(false);
   const token = byId('token').value;
   form.reset();
