@@ -15,6 +15,7 @@ const OWN = [
   'live.js',
   'meshes.js',
   'npz.js',
+  'ply.js',
   'receive.js',
   'request.js',
   'scene.js',

@@ -3,7 +3,7 @@ or a file is told with its reason."""
 
 import unittest
 
-from page_case import PageCase, ply, stl
+from page_case import PageCase, binary_ply, ply, stl
 
 from harness import box, write_obj
 
@@ -245,7 +245,13 @@ class PageSettings(PageCase):
             ("e.stl", b"solid", "the file is damaged"),
             ("e.ply", ply(self.mesh)[:30], ""),
             ("e.ply", b"no mesh", ""),
-            ("e.ply", ply(self.mesh)[:-8], "the file has 8 faces, and only 7 triangles can be read"),
+            ("e.ply", ply(self.mesh)[:-8], "the file ends or is damaged at face 7 of 8"),
+            ("e.ply", binary_ply(self.mesh)[:-1], "the file ends or is damaged at face 7 of 8"),
+            ("e.ply", ply((self.mesh[0], [(0, 1, 2, 3), (0, 1, 2, 3, 4)])), "face 1 has 5 corners"),
+            ("e.ply", binary_ply((self.mesh[0], [(0, 1, 2, 3), (0, 1, 2, 3, 4)])), "face 1 has 5 corners"),
+            ("e.ply", ply(self.mesh).replace(b"int v", b"long v"), 'the header has the type "long"'),
+            ("e.ply", ply(self.mesh).replace(b"face", b"tristrips"), "the file has an element tristrips"),
+            ("e.ply", ply(self.mesh).replace(b"_indices", b"_places"), "element face has no list vertex_indices"),
             ("e.ply", ply((self.mesh[0], [])), "the file has no triangles"),
             ("e.obj", b"v 0 0 0\n", "the file has no triangles"),
             ("e.obj", obj.replace(b"f 1 ", b"f 99 "), "vertex 0 is not finite"),

@@ -6,7 +6,7 @@ import struct
 import unittest
 import zlib
 
-from page_case import PageCase, ply, stl
+from page_case import PageCase, binary_ply, ply, stl
 
 from harness import write_obj
 
@@ -157,6 +157,21 @@ class Page(PageCase):
         self.shown(again)
         self.assertTrue(again.run("document.querySelector('[value=color]').disabled"))
 
+    def test_faces_of_a_ply_have_four_corners_or_colors(self):
+        cube = [(x, y, z) for x in (0.0, 5.0) for y in (0.0, 5.0) for z in (0.0, 5.0)]
+        quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+        tab = self.tab("#resolution=20&fields=color")
+        for mesh, colored in (((cube, quads), "vertex"), (self.mesh, "face")):
+            with self.subTest(colored):
+                data = ply(mesh, COLORS, colored)
+                (self.dir / "a.ply").write_bytes(data)
+                direct = self.direct(self.dir / "a.ply", "--resolution", 20, "--fields", "color")
+                self.drop(tab, "a.ply", data)
+                self.assertEqual(self.shown(tab)["digest"], direct["digest"])
+        self.assert_csv(tab)
+        self.drop(tab, "a.ply", ply((cube, quads), COLORS, "face"))
+        self.assertIn("a.ply: faces of four corners have colors", self.error(tab))
+
     def test_colors_of_textures_are_those_of_the_tool(self):
         (self.dir / "a.gltf").write_bytes(textured(self.mesh))
         self.direct(self.dir / "a.gltf", "--resolution", 60, "--fields", "color")
@@ -258,6 +273,7 @@ class Page(PageCase):
             ("b.obj", (self.dir / "a.obj").read_bytes()),
             ("c.glb", glb(self.mesh)),
             ("d.ply", ply(self.mesh)),
+            ("d.ply", binary_ply(self.mesh)),
             ("e.stl", text_stl(self.mesh)),
         ):
             with self.subTest(name):

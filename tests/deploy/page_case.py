@@ -29,21 +29,35 @@ def stl(mesh):
     return bytes(80) + struct.pack("<I", len(triangles)) + b"".join(corners)
 
 
-def ply(mesh, colors=()):
-    """Returns a .ply whose vertices have the colors in turn."""
-    vertices, triangles = mesh
-    head = (
-        f"ply\nformat ascii 1.0\nelement vertex {len(vertices)}\nproperty float x\nproperty float y\nproperty float z\n"
-    )
-    head += "".join(f"property uchar {name}\n" for name in ("red", "green", "blue") if colors)
-    head += f"element face {len(triangles)}\nproperty list uchar int vertex_indices\nend_header\n"
+def ply_head(form, counts, colored):
+    """Returns the head of a .ply. `colored`: the element with colors, or None."""
+    lines = ["ply", f"format {form} 1.0"]
+    for element, properties in (
+        ("vertex", [f"float {axis}" for axis in "xyz"]),
+        ("face", ["list uchar int vertex_indices"]),
+    ):
+        colors = [f"uchar {name}" for name in ("red", "green", "blue") if element == colored]
+        lines += [f"element {element} {counts[element]}", *(f"property {each}" for each in properties + colors)]
+    return "\n".join([*lines, "end_header", ""])
 
-    def line(n, vertex):
-        return " ".join(map("{:g}".format, vertex + tuple(colors[n % len(colors)] if colors else ()))) + "\n"
 
-    return (
-        head + "".join(line(n, v) for n, v in enumerate(vertices)) + "".join("3 %d %d %d\n" % t for t in triangles)
-    ).encode()
+def ply(mesh, colors=(), colored="vertex"):
+    """Returns a .ply whose vertices or faces have the colors in turn. Faces may have any number of corners."""
+    rows = {"vertex": mesh[0], "face": [(len(face), *face) for face in mesh[1]]}
+    text = ply_head("ascii", {name: len(each) for name, each in rows.items()}, colored if colors else None)
+    for name, each in rows.items():
+        for n, row in enumerate(each):
+            more = colors[n % len(colors)] if colors and name == colored else ()
+            text += " ".join(map("{:g}".format, (*row, *more))) + "\n"
+    return text.encode()
+
+
+def binary_ply(mesh):
+    """Returns a binary .ply. Faces may have any number of corners."""
+    vertices, faces = mesh
+    head = ply_head("binary_little_endian", {"vertex": len(vertices), "face": len(faces)}, None)
+    rows = [struct.pack("<3f", *v) for v in vertices] + [struct.pack(f"<B{len(f)}i", len(f), *f) for f in faces]
+    return head.encode() + b"".join(rows)
 
 
 class PageCase(Case):

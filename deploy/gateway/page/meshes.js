@@ -1,9 +1,9 @@
 // Reads meshes with three.js' loaders, as the arrays of RawMesh.
 import { joined } from './bricks.js';
 import { Colors } from './colors.js';
+import { countFaces } from './ply.js';
 
-const MOST_TRIANGLES = 20_000_000,
-  MOST_HEAD = 1 << 20; // bytes
+const MOST_TRIANGLES = 20_000_000;
 const NO_TRIANGLES = 'the file has no triangles that can be read';
 
 // Each returns { read, keyOf }: the loader's geometry or scene, and what tells its materials apart, if it has any.
@@ -18,17 +18,15 @@ const READERS = {
   gltf,
 };
 
-// The loader leaves out polygons of more than four corners, and faces after the end of the file. Without faces, other
-// code would take the points for corners of triangles.
+// Without faces, other code would take the points for corners of triangles. The loader gives a face three colors, even
+// if it has four corners.
 async function ply(bytes) {
+  if (!(countFaces(bytes) > 0)) throw new Error(NO_TRIANGLES);
   const { PLYLoader } = await import('three/loaders/PLYLoader.js');
   const read = new PLYLoader().parse(bytes),
-    head = new TextDecoder('latin1').decode(bytes.slice(0, MOST_HEAD)),
-    [, faces = 0] = head.match(/^element face (\d+)/m) ?? [],
-    triangles = (read.index?.count ?? 0) / 3;
-  if (triangles === 0) throw new Error(NO_TRIANGLES);
-  if (triangles < Number(faces))
-    throw new Error(`the file has ${faces} faces, and only ${triangles} triangles can be read; use the tool latvox`);
+    { position, color = position } = read.attributes;
+  if (color.count !== position.count)
+    throw new Error('faces of four corners have colors, which this page does not read; use the tool latvox');
   return { read };
 }
 
@@ -118,7 +116,7 @@ function trianglesOf(parts, sizes, vertices, triangles) {
   return { corners, numbers };
 }
 
-// A loader tells of an end that comes too early as of a place outside of its view, and a browser of too little memory.
+// A loader that reads past the end of a file throws a RangeError. So does a browser that has too little memory.
 const reasonOf = (error) =>
   error instanceof RangeError ? `the file is damaged or too large (${error.message})` : error.message;
 
