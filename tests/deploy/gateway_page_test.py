@@ -52,6 +52,31 @@ def textured(mesh, *size):
     return json.dumps(about).encode()
 
 
+def painted(mesh, materials):
+    """Returns a .gltf of a primitive for each material, None without one, which share the triangles."""
+    vertices, triangles = mesh
+    points, corners = b"".join(struct.pack("<3f", *v) for v in vertices), b"".join(
+        struct.pack("<3I", *t) for t in triangles
+    )
+    each = len(triangles) // len(materials)
+    used = [{} if material is None else {"material": material} for material in materials]
+    about = {
+        "asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+        "materials": [{"name": "first"}, {"name": "second"}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": n + 1, **material}
+                                   for n, material in enumerate(used)]}],
+        "buffers": [{"byteLength": len(points + corners),
+                     "uri": f"data:application/octet-stream;base64,{base64.b64encode(points + corners).decode()}"}],
+        "bufferViews": [{"buffer": 0, "byteLength": len(points)},
+                        {"buffer": 0, "byteOffset": len(points), "byteLength": len(corners)}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": len(vertices), "type": "VEC3",
+                       "min": [-7] * 3, "max": [7] * 3},
+                      *({"bufferView": 1, "byteOffset": 12 * each * n, "componentType": 5125, "count": 3 * each,
+                         "type": "SCALAR"} for n in range(len(materials)))],
+    }  # fmt: skip
+    return json.dumps(about).encode()
+
+
 def glb(mesh):
     """Returns a .glb whose node moves the mesh by 5 along x."""
     vertices, triangles = mesh
@@ -207,6 +232,15 @@ class Page(PageCase):
                 self.error(tab),
                 f'a.gltf: texture "skin" has {width} × {height} pixels, more than 16384 on a side; use the tool latvox',
             )
+
+    def test_numbers_of_materials_are_those_of_the_tool(self):
+        data = painted(self.mesh, [None, 1, 0, None])
+        (self.dir / "a.gltf").write_bytes(data)
+        self.direct(self.dir / "a.gltf", "--resolution", 20, "--fields", "material")
+        tab = self.tab("#resolution=20&fields=material")
+        self.drop(tab, "a.gltf", data)
+        self.shown(tab)
+        self.assert_csv(tab)
 
     def test_own_vectors_are_a_lattice(self):
         basis, obj = "0.5,0.1,0,0,0.4,0.1,0.6,0.05,0.45", write_obj(self.dir / "a.obj", self.mesh)

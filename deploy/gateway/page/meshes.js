@@ -61,27 +61,28 @@ function* partsOf(read) {
   }
 }
 
-// Returns the numbers of the vertices' materials, by first use, or null without any.
+// Returns the numbers of the vertices' materials, by first use, or null without any. As in the tool, triangles without
+// a material come last.
 function materialsOf(parts, sizes, vertices, keyOf) {
   if (keyOf === undefined) return null;
-  const known = new Map(),
-    numbers = new Uint32Array(vertices);
-  const numberOf = (material) => {
-    const key = keyOf(material);
-    if (!known.has(key)) known.set(key, known.size);
-    return known.get(key);
-  };
+  const stretches = [];
   let first = 0;
   parts.forEach(({ geometry: { groups }, materials }, part) => {
     const end = first + sizes[part].vertices;
-    if (materials.length === 1) numbers.fill(numberOf(materials[0]), first, end);
+    if (materials.length === 1) stretches.push({ key: keyOf(materials[0]), from: first, to: end });
     // Only OBJLoader has several, and it repeats the vertices of each triangle.
     else
       for (const { start, count, materialIndex } of groups)
-        numbers.fill(numberOf(materials[materialIndex]), first + start, first + start + count);
+        stretches.push({ key: keyOf(materials[materialIndex]), from: first + start, to: first + start + count });
     first = end;
   });
-  return [...known.keys()].some((key) => key !== '') ? numbers : null;
+  const keys = new Set(stretches.map(({ key }) => key));
+  keys.delete('');
+  if (keys.size === 0) return null;
+  const order = new Map([...keys, ''].map((key, n) => [key, n])),
+    numbers = new Uint32Array(vertices);
+  for (const { key, from, to } of stretches) numbers.fill(order.get(key), from, to);
+  return numbers;
 }
 
 // Returns the positions of all vertices. Transforms are multiplied as doubles.
