@@ -24,7 +24,9 @@ WRONG = {
     "set=wall": 'set: "wall" is not one of surface, supercover, solid,',
     "lattice=nonsense": 'lattice: "nonsense" is not one of cartesian, bcc, fcc, hexagonal, basis',
     "k=7": 'k: "7" is not one of 0, 1, 2',
-    "k=1&set=interior": 'k: "1" counts only with other sets than interior and band, or with fields of links',
+    "k=1&set=interior": 'k: "1" counts only with set surface, solid, enclosed,',
+    "k=1&set=supercover": 'k: "1" counts only with set surface, solid,',
+    "k=1&set=supercover-solid&verify=yes": 'k: "1" counts only with set surface, solid,',
     "fields=part,hue": 'fields: "part,hue" has "hue", which is not one of part, material,',
     "fields=part,part": 'fields: "part,part" names a field twice',
     "resolution=99999": 'resolution: "99999" is not a whole number from 2 to 65536',
@@ -210,6 +212,22 @@ class PageSettings(PageCase):
         self.shown(tab)
         tab.run("document.querySelector('[value=links]').click()")
         self.assertFalse(self.is_hidden(tab, "k"))
+        tab.run("document.querySelector('[value=links]').click()")
+        self.put(tab, "set", "supercover")
+        self.assertTrue(self.is_hidden(tab, "k"))
+        tab.run("document.querySelector('[name=verify]').click()")
+        self.assertFalse(self.is_hidden(tab, "k"))
+
+    def test_a_supercover_has_its_redundant_voxels_counted_for_k(self):
+        path = write_obj(self.dir / "a.obj", self.mesh)
+        counted = []
+        for k in range(3):
+            direct = self.direct(path, "--resolution", 20, "--set", "supercover", "--verify", "--separability", k)
+            tab = self.tab(f"#resolution=20&set=supercover&verify=yes&k={k}")
+            self.drop(tab, "a.obj", path.read_bytes())
+            counted.append(direct["certificate"]["redundant"])
+            self.assertEqual(self.shown(tab)["counted"], f"0 tunnels, {counted[-1]} redundant")
+        self.assertEqual(len(set(counted)), 3)
 
     def test_an_open_mesh_has_ways_to_fill_it(self):
         vertices, triangles = self.mesh

@@ -1,6 +1,4 @@
 // The fields of voxels: the types and names of their numbers. Needs no browser.
-import { LINK_FIELDS } from './settings.js';
-
 // `empty`: the number where there is no voxel. Numbers of 32 bits are below 2^31; -1 means that there is no triangle.
 const BYTES = { Kind: Uint8Array, empty: 0 },
   SHORTS = { Kind: Uint16Array, empty: 0 },
@@ -25,6 +23,7 @@ export const FIELDS = {
   link_crossings: { ...NUMBERS, columns: ofLinks('link_crossings') },
 };
 
+export const LINK_FIELDS = ['links', 'link_triangles', 'link_crossings'];
 export const isOfLinks = ({ name }) => LINK_FIELDS.includes(name);
 
 // Returns the layout of fields that have a number for each neighbor, as [i, j, k], or for each label.

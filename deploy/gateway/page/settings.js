@@ -1,14 +1,13 @@
 // The settings of a request: names, allowed values, and when they count. Form and links have them as texts by name; ''
 // stands for a box that is not ticked. The names are those of the tool's options. Needs no browser.
+import { FIELDS, LINK_FIELDS } from './fields.js';
+
 const SOLIDS = ['solid', 'supercover-solid', 'interior'],
   WALKS = ['enclosed', 'enclosed-interior', 'region'];
 const SETS = ['surface', 'supercover', ...SOLIDS, 'band', ...WALKS, 'links'];
-export const LINK_FIELDS = ['links', 'link_triangles', 'link_crossings'];
+const SEPARATING = ['surface', 'solid', ...WALKS, 'links'];
 const CELL_FIELDS = ['fraction', 'label_fractions'];
-const NAMES_OF_FIELDS = [
-  ...['part', 'material', 'color', 'distance', 'triangle', 'point', 'normal'],
-  ...[...CELL_FIELDS, ...LINK_FIELDS],
-];
+const NAMES_OF_FIELDS = Object.keys(FIELDS);
 
 export const listOf = (text) => text.split(',').filter((word) => word !== '');
 export const numbersOf = (text) => text.trim().split(/[\s,]+/).map((word) => (word === '' ? NaN : Number(word)));
@@ -36,8 +35,9 @@ function fields(text) {
 }
 
 const withSet = (...sets) => ({ when: ({ set }) => sets.includes(set), only: `with set ${sets.join(', ')}` });
+const hasField = ({ fields }, names) => listOf(fields).some((name) => names.includes(name));
 const withField = (...names) => ({
-  when: (texts) => listOf(texts.fields).some((name) => names.includes(name)),
+  when: (texts) => hasField(texts, names),
   only: `with fields ${names.join(', ')}`,
 });
 
@@ -53,9 +53,12 @@ export const SETTINGS = {
   set: { check: oneOf(SETS) },
   k: {
     check: oneOf(['0', '1', '2']),
-    when: ({ set, fields }) =>
-      !['interior', 'band'].includes(set) || listOf(fields).some((name) => LINK_FIELDS.includes(name)),
-    only: 'with other sets than interior and band, or with fields of links',
+    // A supercover is the same for every k. Only the number of its redundant voxels is not.
+    when: (texts) =>
+      SEPARATING.includes(texts.set) ||
+      (texts.set === 'supercover' && texts.verify === 'yes') ||
+      hasField(texts, LINK_FIELDS),
+    only: `with set ${SEPARATING.join(', ')}, with verify, or with fields of links`,
   },
   width: { check: number(0.001, 256), ...withSet('band') },
   seed: { check: numbers(3, 'three numbers x,y,z'), ...withSet('region') },
