@@ -152,13 +152,15 @@ const PAINTS = {
   fraction: ({ name, values }, points) => [() => paintOfFractions(name, values, points)],
   label_fractions: ({ columns, values }, points) =>
     columns.map((name, n) => () => {
-      const ofLabel = values.filter((_, at) => at % columns.length === n);
+      const length = values.length / columns.length,
+        ofLabel = Uint16Array.from({ length }, (_, voxel) => values[voxel * columns.length + n]);
       return paintOfFractions(name, ofLabel, points);
     }),
 };
 
-// Returns a function for each choice of colors that the fields give, which returns { paint, colors, values }: 3 bytes
-// and 4 or none for each voxel. As in a page of `latvox view`, colors come first. `points`: of a cell, for fractions.
+// Returns a function for each choice of colors that the fields give. It returns { paint, colors, values }: for each
+// voxel, 3 bytes of colors, and 4 or none of values. As in a page of `latvox view`, colors come first. `points`: of a
+// cell, for fractions.
 export function paintsOf(fields, points) {
   const colorsFirst = [...fields].sort((a, b) => (b.name === 'color') - (a.name === 'color'));
   return colorsFirst.flatMap((field) => PAINTS[field.name]?.(field, points) ?? []);
