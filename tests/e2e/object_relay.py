@@ -4,6 +4,7 @@ import collections
 import http.client
 import http.server
 import threading
+import time
 
 Request = collections.namedtuple("Request", "method path number")  # number: of requests with this method and path, from 1
 Passed = collections.namedtuple("Passed", "method path fault status")  # status: of the store, None if it was not asked
@@ -71,6 +72,11 @@ class Relay:
     def count(self, method, status=200):
         """Returns how often the store gave this answer to a method, by path."""
         return collections.Counter(p.path for p in self.passed if (p.method, p.status) == (method, status))
+
+    def await_store(self):
+        """Waits until no request is on its way to the store or back."""
+        while len(self.passed) < self.seen.total():
+            time.sleep(0.01)
 
     def answer(self, handler):
         body = handler.rfile.read(int(handler.headers.get("Content-Length", 0)))
