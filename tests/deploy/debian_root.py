@@ -46,30 +46,13 @@ def run(*command, check=True, timeout=120, **options):
     return done
 
 
-def package_sources(release=RELEASE):
-    """Returns Debian's lines among this machine's own package sources, for a release, in the form of sources.list."""
-    form = "deb $(REPO_URI) $(CODENAME) $(COMPONENT)"
-    listed = run("apt-get", "indextargets", "--format", form, "Created-By: Packages", "Origin: Debian").stdout
-    if release == "sid":  # it has neither updates nor security
-        listed = "\n".join(line for line in listed.splitlines() if f" {OWN_RELEASE} " in line)
-    listed = listed.replace(f" {OWN_RELEASE}", f" {release}")
-    if not listed:
-        skip("apt knows no package source of Debian; apt-get update")
-    return "".join(f"{line}\n" for line in dict.fromkeys(listed.splitlines()))
-
-
 def bootstrap(tar, *options, release=RELEASE):
     """Makes an archive of a fresh Debian from this machine's package sources. `options` are mmdebstrap's."""
-    # The configuration by which this machine reaches its package sources.
-    settings = run("apt-config", "dump", "Acquire").stdout.splitlines()
-    chosen = [line for line in settings if line.lower().startswith(("acquire::http", "acquire::check"))]
     work = STATE / "work"
     work.mkdir(parents=True, exist_ok=True)
-    (work / "apt.conf").write_text("\n".join(chosen) + "\n")
     unfinished = work / f"part-{pathlib.Path(tar).name}"  # a later run would take a part for the whole
-    options = ["--variant=minbase", f"--aptopt={work / 'apt.conf'}", *options]
-    command = ["mmdebstrap", "--quiet", *options, release, unfinished, "-"]
-    done = subprocess.run(command, input=package_sources(release), capture_output=True, text=True, timeout=1800)
+    command = [ROOT / "deploy/packaging/bootstrap", release, unfinished, "--variant=minbase", *options]
+    done = run(*command, check=False, timeout=1800)
     if done.returncode == 0:
         unfinished.rename(tar)
     else:
