@@ -236,6 +236,17 @@ class Convert(Case):
                     self.assertEqual(done.returncode, 3, done.stderr)
                     self.assertRegex(done.stderr, f"^latvox: .*bad.nvdb: is not a readable .nvdb file .*{why}")
 
+    def test_shards_can_be_merged_after_they_were_converted(self):
+        job = [BUNNY, "--resolution", "48", "--fields", "distance"]
+        self.write(job, "whole.vdb")
+        for n in range(3):
+            self.write([*job, "--shard", f"{n}/3"], f"{n}.nvdb")
+            self.convert(f"{n}.nvdb", f"{n}.vdb")
+        done = latvox("merge", *(self.dir / f"{n}.vdb" for n in range(3)), "-o", self.dir / "joined.vdb")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        done = latvox("compare", self.dir / "whole.vdb", self.dir / "joined.vdb", "--voxels")
+        self.assertEqual(done.stdout.splitlines()[-1], "equal")
+
     def test_damaged_files_are_errors_or_other_files(self):
         self.write(JOBS["plain"], "a.nvdb", "a.vdb")
         self.nano("a.vdb", "zip.nvdb", "-z")
