@@ -108,6 +108,12 @@ size_t CountVoxels(const Voxels& voxels) {
   return count;
 }
 
+std::optional<IndexBox> IndexBoxOf(const Voxels& voxels) {
+  VoxelBox box;
+  for (const Brick& brick : voxels.all.bricks) box.Add(brick);
+  return box.box();
+}
+
 py::array BrickIjk(const SharedVoxels& voxels) { return OfBricks(voxels, &Brick::brick_ijk); }
 
 py::array BrickMasks(const SharedVoxels& voxels) { return OfBricks(voxels, &Brick::mask); }
