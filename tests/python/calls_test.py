@@ -188,21 +188,31 @@ class Terminal(io.StringIO):
     ],
 )
 def test_progress_is_shown_when_it_changes(kind, expected):
-    with contextlib.redirect_stderr(kind()) as stream:
-        shown = latvox._calls._Shown()
+    with kind() as stream:
+        shown = latvox._calls._Shown(stream)
         for thousandth in range(1001):
             for _ in range(3):
                 shown(thousandth / 1000)
         shown.end()
-    assert stream.getvalue() == expected
+        assert stream.getvalue() == expected
 
 
-def test_a_call_without_progress_to_tell_shows_none():
-    for kind in (io.StringIO, Terminal):
-        with contextlib.redirect_stderr(kind()) as stream:
-            latvox.voxelize(MESH, resolution=9, progress=True)
-        told = [int(number) for number in re.findall(r"(\d+) %", stream.getvalue())]
-        assert told == sorted(set(told)) and 0 not in told
+@pytest.mark.parametrize("kind", [io.StringIO, Terminal])
+def test_a_call_shows_progress_if_it_has_some_to_tell(kind):
+    with contextlib.redirect_stderr(kind()) as stream:
+        with pytest.warns(latvox.VoxelizeWarning, match="no voxel lies in the region"):
+            latvox.voxelize(MESH, resolution=9, region=(900, 0, 0, 901, 1, 1), progress=True)
+        assert stream.getvalue() == ""
+        latvox.voxelize(BUNNY, resolution=2500, progress=True)
+    told = [int(number) for number in re.findall(r"(\d+) %", stream.getvalue())]
+    assert told and told == sorted(set(told)) and told[0] > 0 and told[-1] <= 100
+    assert stream.getvalue().endswith("\r\x1b[K" if kind is Terminal else " %\n")
+
+
+def test_progress_needs_no_standard_error(capsys):
+    with contextlib.redirect_stderr(None):  # as in a program without a console
+        latvox.voxelize(BUNNY, resolution=2500, progress=True)
+    assert capsys.readouterr() == ("", "")
 
 
 def test_timeout():

@@ -9,7 +9,7 @@ import pathlib
 import sys
 import textwrap
 import threading
-from typing import Any, Callable, Dict, Iterable, Iterator, List, Optional, Union
+from typing import Any, Callable, Dict, Iterable, Iterator, List, Optional, TextIO, Union
 
 from . import _latvox
 from ._errors import Unavailable
@@ -50,9 +50,9 @@ def _begin(client: Client, mesh: Any, options: Dict[str, Any], streams: bool = F
 
 
 def _end(call: _latvox.Call, progress: Optional[Progress], depth: int) -> Voxels:
-    shown = _Shown() if progress is True else None
+    shown = _Shown(sys.stderr) if progress is True and sys.stderr is not None else None
     try:
-        voxels = Voxels(call.wait(shown or progress or None))
+        voxels = Voxels(call.wait(shown if progress is True else progress or None))
     finally:
         if shown is not None:
             shown.end()
@@ -61,10 +61,11 @@ def _end(call: _latvox.Call, progress: Optional[Progress], depth: int) -> Voxels
 
 
 class _Shown:
-    """The share of the work on standard error: a line that changes on a terminal, otherwise a line for each tenth."""
+    """The share of the work in a stream: a line that changes on a terminal, otherwise a line for each tenth."""
 
-    def __init__(self) -> None:
-        self._terminal = sys.stderr.isatty()
+    def __init__(self, stream: TextIO) -> None:
+        self._stream = stream
+        self._terminal = stream.isatty()
         self._last = 0  # percent
 
     def __call__(self, share: float) -> None:
@@ -75,12 +76,12 @@ class _Shown:
             return
         self._last = percent
         text = f"latvox: {percent:3d} %"
-        print(f"\r{text}" if self._terminal else text, end="" if self._terminal else "\n", file=sys.stderr, flush=True)
+        print(f"\r{text}" if self._terminal else text, end="" if self._terminal else "\n", file=self._stream, flush=True)
 
     def end(self) -> None:
         """Removes the line from a terminal."""
         if self._terminal and self._last > 0:
-            print("\r\x1b[K", end="", file=sys.stderr, flush=True)
+            print("\r\x1b[K", end="", file=self._stream, flush=True)
 
 
 class Stream:
