@@ -8,9 +8,10 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_split.h"
 #include "absl/strings/strip.h"
 #include "client/tool/curve/scan.h"
+#include "client/tool/curve/svg_length.h"
+#include "client/tool/curve/svg_transform.h"
 
 namespace latvox::client {
 namespace {
@@ -18,6 +19,12 @@ namespace {
 constexpr absl::string_view kLengthProperties[] = {"x", "y", "width", "height", "cx", "cy", "r", "rx", "ry"};
 constexpr absl::string_view kOthers[] = {"d",       "transform", "transform-origin", "transform-box",
                                          "display", "visibility"};
+
+// Values of display and visibility that are read. Browsers drop unknown ones, and what was before counts.
+constexpr absl::string_view kDisplays[] = {
+    "none", "initial",     "unset", "inline",      "block", "inline-block", "flow-root", "list-item",
+    "flex", "inline-flex", "grid",  "inline-grid", "table", "inline-table", "table-row", "table-cell"};
+constexpr absl::string_view kVisibilities[] = {"visible", "hidden", "collapse", "initial", "unset", "inherit"};
 
 // Properties that move or resize elements, and that this reader does not have.
 constexpr absl::string_view kRefused[] = {"all", "translate", "rotate", "scale", "zoom", "offset", "offset-path"};
@@ -55,6 +62,23 @@ size_t BehindString(absl::string_view css, size_t at) {
   return std::min(at + 1, css.size());
 }
 
+bool IsIdentifier(char c) {
+  return absl::ascii_isalnum(static_cast<unsigned char>(c)) || c == '-' || c == '_' ||
+         static_cast<unsigned char>(c) > 127;
+}
+
+// Returns the place behind the string, the URL without quotes, the escape or the character that begins at `at`.
+size_t BehindToken(absl::string_view css, size_t at) {
+  if (css[at] == '"' || css[at] == '\'') return BehindString(css, at);
+  if (css[at] == '\\') return std::min(at + 2, css.size());
+  const bool begins = at == 0 || !IsIdentifier(css[at - 1]);
+  if (!begins || !absl::StartsWithIgnoreCase(css.substr(at), "url(")) return at + 1;
+  size_t end = css.find_first_not_of(" \t\r\n\f", at + 4);
+  if (end < css.size() && (css[end] == '"' || css[end] == '\'')) return at + 1;
+  while (end < css.size() && css[end] != ')') end += css[end] == '\\' ? 2 : 1;
+  return end < css.size() ? end + 1 : css.size();
+}
+
 std::string WithoutComments(absl::string_view css) {
   std::string text;
   for (size_t at = 0; at < css.size();) {
@@ -64,26 +88,21 @@ std::string WithoutComments(absl::string_view css) {
       text += ' ';
       continue;
     }
-    const size_t end = css[at] == '"' || css[at] == '\'' ? BehindString(css, at) : at + 1;
+    const size_t end = BehindToken(css, at);
     absl::StrAppend(&text, css.substr(at, end - at));
     at = end;
   }
   return text;
 }
 
-// Returns the place of the first of these characters that is in no string and no brackets, or the end.
+// Returns the place of the first of these characters that is in no string, URL or brackets, or the end.
 size_t FindOutside(absl::string_view css, absl::string_view stops) {
   size_t depth = 0;
-  for (size_t at = 0; at < css.size();) {
+  for (size_t at = 0; at < css.size(); at = BehindToken(css, at)) {
     const char c = css[at];
     if (depth == 0 && absl::StrContains(stops, c)) return at;
-    if (c == '"' || c == '\'') {
-      at = BehindString(css, at);
-      continue;
-    }
     if (c == '(' || c == '[' || c == '{') ++depth;
     if ((c == ')' || c == ']' || c == '}') && depth > 0) --depth;
-    ++at;
   }
   return css.size();
 }
@@ -95,33 +114,6 @@ absl::string_view Take(absl::string_view& rest, absl::string_view stops, char* s
   if (stop != nullptr) *stop = end < rest.size() ? rest[end] : '\0';
   rest.remove_prefix(std::min(end + 1, rest.size()));
   return taken;
-}
-
-// Returns whether the value is a number other than 0 and has no unit.
-bool LacksUnit(absl::string_view value) {
-  double number = 0;
-  absl::string_view rest = Trimmed(value);
-  return ReadDecimal(rest, number) && rest.empty() && number != 0;
-}
-
-bool TransformLacksUnit(absl::string_view value) {
-  while (!value.empty()) {
-    const std::string name = absl::AsciiStrToLower(Trimmed(Take(value, "(")));
-    if (value.empty()) return false;
-    const bool has_units =
-        absl::StartsWith(name, "translate") || absl::StartsWith(name, "rotate") || absl::StartsWith(name, "skew");
-    for (const absl::string_view argument : absl::StrSplit(Take(value, ")"), ',')) {
-      if (has_units && LacksUnit(argument)) return true;
-    }
-  }
-  return false;
-}
-
-bool OriginLacksUnit(absl::string_view value) {
-  for (const absl::string_view word : absl::StrSplit(value, absl::ByAnyChar(" \t\r\n\f"))) {
-    if (LacksUnit(word)) return true;
-  }
-  return false;
 }
 
 // Returns whether one of the properties kRefused has no effect. `offset` of a gradient's stop has a number.
@@ -140,6 +132,17 @@ std::optional<std::string> PathDataOf(absl::string_view value) {
   return absl::StrContains(value, '\\') ? std::nullopt : std::optional(std::string(value));
 }
 
+// Checks what CSS demands beyond what attributes do.
+absl::Status CheckGrammar(absl::string_view name, absl::string_view value) {
+  if (value.empty()) return absl::InvalidArgumentError("which has no value");
+  if ((name == "display" && !Has(kDisplays, value)) || (name == "visibility" && !Has(kVisibilities, value))) {
+    return absl::InvalidArgumentError(absl::StrCat("and this value of ", name, " is not read"));
+  }
+  if (Has(kLengthProperties, name)) return CheckUnit(value);
+  if (name == "transform") return CheckCssTransforms(value);
+  return name == "transform-origin" ? CheckCssOrigin(value) : absl::OkStatus();
+}
+
 absl::Status CheckValue(absl::string_view rule, CssDeclaration& declaration) {
   const std::string lower = absl::AsciiStrToLower(declaration.value);
   for (const absl::string_view function : {"var(", "attr(", "env("}) {
@@ -149,11 +152,7 @@ absl::Status CheckValue(absl::string_view rule, CssDeclaration& declaration) {
       (lower == "inherit" && declaration.name != "visibility")) {
     return Bad(rule, "and the keyword ", lower, " is not read");
   }
-  const bool lacks_unit = Has(kLengthProperties, declaration.name) ? LacksUnit(lower)
-                          : declaration.name == "transform"
-                              ? TransformLacksUnit(lower)
-                              : declaration.name == "transform-origin" && OriginLacksUnit(lower);
-  if (lacks_unit) return Bad(rule, "and CSS demands a unit, such as px or deg");
+  if (auto status = CheckGrammar(declaration.name, lower); !status.ok()) return Bad(rule, status.message());
   if (declaration.name != "d" || lower == "initial" || lower == "unset") return absl::OkStatus();
   auto data = PathDataOf(declaration.value);
   if (!data) return Bad(rule, "which is not none or path(\"DATA\")");
@@ -161,12 +160,11 @@ absl::Status CheckValue(absl::string_view rule, CssDeclaration& declaration) {
   return absl::OkStatus();
 }
 
-bool IsIdentifier(char c) {
-  return absl::ascii_isalnum(static_cast<unsigned char>(c)) || c == '-' || c == '_' ||
-         static_cast<unsigned char>(c) > 127;
-}
-
+// Returns nothing if the text begins with no identifier. A digit begins none, also behind a hyphen.
 std::string TakeIdentifier(absl::string_view& rest) {
+  const size_t first = absl::StartsWith(rest, "-") ? 1 : 0;
+  if (first == rest.size() || !IsIdentifier(rest[first])) return "";
+  if (absl::ascii_isdigit(static_cast<unsigned char>(rest[first]))) return "";
   size_t end = 0;
   while (end < rest.size() && IsIdentifier(rest[end])) ++end;
   const std::string taken(rest.substr(0, end));
@@ -190,19 +188,39 @@ std::optional<CssSelector> ParseSelector(absl::string_view rest) {
   return selector;
 }
 
-// Returns whether a selector matches only while a pointer or keyboard acts on an element.
+// Returns whether a selector matches only while a pointer or keyboard acts on an element. Within brackets and behind a
+// backslash, these words may mean something else.
 bool WaitsForPeople(absl::string_view selector) {
-  return !absl::StrContains(selector, ":not(") &&
+  return selector.find_first_of("([\\") == absl::string_view::npos &&
          (absl::StrContains(selector, ":hover") || absl::StrContains(selector, ":active") ||
           absl::StrContains(selector, ":focus"));
+}
+
+// Returns the selectors of a list that do not wait.
+std::vector<absl::string_view> LastingSelectors(absl::string_view list) {
+  std::vector<absl::string_view> selectors;
+  for (char stop = ','; stop == ',';) {
+    const absl::string_view text = Trimmed(Take(list, ",", &stop));
+    if (!WaitsForPeople(text)) selectors.push_back(text);
+  }
+  return selectors;
+}
+
+// The value of a custom property may have braces.
+bool HasNestedRules(absl::string_view block) {
+  while (!block.empty()) {
+    const absl::string_view part = Trimmed(Take(block, ";"));
+    if (!absl::StartsWith(part, "--") && FindOutside(part, "{") < part.size()) return true;
+  }
+  return false;
 }
 
 class SheetReader {
  public:
   absl::Status Read(absl::string_view rest, bool is_certain) {
-    while (!Trimmed(rest).empty()) {
+    for (SkipSpace(rest); !rest.empty(); SkipSpace(rest)) {
       char stop = '\0';
-      const absl::string_view prelude = Trimmed(Take(rest, absl::StartsWith(Trimmed(rest), "@") ? "{;" : "{", &stop));
+      const absl::string_view prelude = Trimmed(Take(rest, rest[0] == '@' ? "{;" : "{", &stop));
       const absl::string_view block = stop == '{' ? Take(rest, "}") : absl::string_view();
       const auto status = absl::StartsWith(prelude, "@") ? ReadAtRule(prelude, block, stop == '{')
                                                          : ReadRule(prelude, block, is_certain);
@@ -226,15 +244,14 @@ class SheetReader {
   }
 
   absl::Status ReadRule(absl::string_view prelude, absl::string_view block, bool is_certain) {
-    if (FindOutside(block, "{") < block.size()) return Bad(prelude, "and nested rules are not read");
+    const std::vector<absl::string_view> selectors = LastingSelectors(prelude);
+    if (selectors.empty()) return absl::OkStatus();
+    if (HasNestedRules(block)) return Bad(prelude, "and nested rules are not read");
     auto declarations = ParseDeclarations(block);
     if (!declarations.ok()) return declarations.status();
     if (declarations->empty()) return absl::OkStatus();
     CssRule rule{{}, *std::move(declarations)};
-    absl::string_view rest = prelude;
-    for (char stop = ','; stop == ',';) {
-      const absl::string_view text = Trimmed(Take(rest, ",", &stop));
-      if (WaitsForPeople(text)) continue;
+    for (const absl::string_view text : selectors) {
       auto selector = ParseSelector(text);
       if (!selector) {
         return Bad(prelude, "and only selectors of a type, classes and an ID are read, and lists of them, not \"",
@@ -242,7 +259,6 @@ class SheetReader {
       }
       rule.selectors.push_back(*std::move(selector));
     }
-    if (rule.selectors.empty()) return absl::OkStatus();
     if (!is_certain) return Bad(prelude, "and rules that apply under a condition are not read");
     rules.push_back(std::move(rule));
     return absl::OkStatus();

@@ -35,13 +35,15 @@ struct CssRule {
 };
 
 // Reads declarations, such as those of an attribute `style`, and leaves out those that do not matter. Errors:
-// INVALID_ARGUMENT naming the declaration: a length or an angle without a unit; var(), attr() or env(); a keyword that
-// takes the value from elsewhere; another property that moves elements, such as `rotate`.
+// INVALID_ARGUMENT naming the declaration. It has no value; lacks a unit or a comma, or has one comma too many; has
+// var(), attr() or env(); takes its value from elsewhere by a keyword; or has an unknown display or visibility. Or it
+// has another property that moves elements, such as `rotate`.
 absl::StatusOr<std::vector<CssDeclaration>> ParseDeclarations(absl::string_view css);
 
-// Reads a style sheet, and leaves out rules that do not matter: those without a declaration that does, and those that
-// wait for a pointer, such as :hover. Animations and fonts do not matter. Errors: INVALID_ARGUMENT naming the rule: a
-// declaration, as above; a selector other than lists of types, classes and IDs; another at-rule; nested rules.
+// Reads a style sheet, and leaves out rules that do not matter. These are rules without a declaration that does, and
+// rules that wait for a pointer or keyboard, such as :hover. Animations and fonts do not matter. Errors:
+// INVALID_ARGUMENT naming the rule: a declaration, as above; a selector other than lists of types, classes and IDs;
+// another at-rule; nested rules.
 //   is_certain   whether the sheet applies; if not, any rule that matters is refused
 absl::StatusOr<std::vector<CssRule>> ParseStyleSheet(absl::string_view css, bool is_certain);
 

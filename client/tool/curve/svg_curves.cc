@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "absl/container/flat_hash_map.h"
+#include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/strip.h"
@@ -26,6 +27,8 @@ namespace {
 constexpr int kMaxDepth = 256;              // nesting of elements and of uses
 constexpr size_t kMaxElements = 1'000'000;  // with each use of an element
 constexpr size_t kMaxPieces = 10'000'000;   // of all outlines
+
+constexpr char kForeignSheet[] = "has a style sheet of its own file, which is not read; write it into <style>";
 
 // Elements that draw nothing where they stand.
 constexpr absl::string_view kSilent[] = {
@@ -49,6 +52,7 @@ class SvgReader {
     if (NameOf(root) != "svg") return Error(root, "is not svg, the root of a drawing");
     if (auto status = ApplyStyles(document, root); !status.ok()) return status;
     Place place{{}, RootViewport(root)};
+    ReadVisibility(root, place);
     if (!IsHidden(root)) {
       if (auto status = ReadTransform(root, place); !status.ok()) return status;
       if (auto status = ReadChildren(root, place); !status.ok()) return status;
@@ -78,17 +82,25 @@ class SvgReader {
     return elements;
   }
 
+  // Only HTML has this element: its prefix may be any.
+  static bool IsSheetLink(const pugi::xml_node& node) {
+    const absl::string_view name = node.name();
+    return (name == "link" || absl::EndsWith(name, ":link")) &&
+           absl::StrContains(absl::AsciiStrToLower(node.attribute("rel").value()), "stylesheet");
+  }
+
   // Finds IDs, too: the first element with an ID counts.
   absl::Status ApplyStyles(const pugi::xml_document& document, const pugi::xml_node& root) {
     for (const pugi::xml_node& node : document.children()) {
       if (node.type() == pugi::node_pi && absl::string_view(node.name()) == "xml-stylesheet") {
-        return Error(root, "has a style sheet of its own file, which is not read; write it into <style>");
+        return Error(root, kForeignSheet);
       }
     }
     const std::vector<pugi::xml_node> elements = AllElements(root);
     SvgStyles styles;
     for (const pugi::xml_node& node : elements) {
       if (const char* const id = node.attribute("id").value(); *id != '\0') ids_.try_emplace(id, node);
+      if (IsSheetLink(node)) return Error(node, kForeignSheet);
       if (NameOf(node) != "style") continue;
       if (auto status = styles.AddSheet(node); !status.ok()) return Error(node, status.message());
     }

@@ -28,19 +28,19 @@ class LengthReader {
  public:
   LengthReader(Along along, const Viewport& viewport) : along_(along), viewport_(viewport) {}
 
-  absl::StatusOr<double> Read(absl::string_view text) {
-    text = absl::StripAsciiWhitespace(text);
-    const auto quantity = ReadFactor(text);
-    if (!quantity || !text.empty() || !std::isfinite(quantity->value)) return absl::InvalidArgumentError(why_);
-    return quantity->value;
-  }
-
- private:
   struct Quantity {
     double value = 0;
     bool is_length = false;
   };
 
+  absl::StatusOr<Quantity> Read(absl::string_view text) {
+    text = absl::StripAsciiWhitespace(text);
+    const auto quantity = ReadFactor(text);
+    if (!quantity || !text.empty() || !std::isfinite(quantity->value)) return absl::InvalidArgumentError(why_);
+    return *quantity;
+  }
+
+ private:
   static char OperatorOf(absl::string_view rest) {
     SkipSpace(rest);
     return rest.empty() ? '\0' : rest[0];
@@ -108,10 +108,10 @@ class LengthReader {
                     true};
   }
 
-  // Reads calc() and the others, and parentheses alone.
+  // Reads calc() and the others, and, within one of them, parentheses alone.
   std::optional<Quantity> ReadFunction(absl::string_view& rest) {
     const std::string name = ReadWord(rest);
-    if (depth_ == kMaxDepth || !absl::ConsumePrefix(&rest, "(")) return std::nullopt;
+    if (depth_ == kMaxDepth || (name.empty() && depth_ == 0) || !absl::ConsumePrefix(&rest, "(")) return std::nullopt;
     ++depth_;
     std::vector<Quantity> all;
     do {
@@ -140,7 +140,19 @@ class LengthReader {
 }  // namespace
 
 absl::StatusOr<double> ParseLength(absl::string_view text, Along along, const Viewport& viewport) {
-  return LengthReader(along, viewport).Read(text);
+  const auto quantity = LengthReader(along, viewport).Read(text);
+  if (!quantity.ok()) return quantity.status();
+  return quantity->value;
+}
+
+absl::Status CheckUnit(absl::string_view text) {
+  text = absl::StripAsciiWhitespace(text);
+  double number = 0;
+  absl::string_view rest = text;
+  if (ReadDecimal(rest, number) && rest.empty() && number == 0) return absl::OkStatus();
+  const auto quantity = LengthReader(Along::kBoth, {.width = 1, .height = 1}).Read(text);
+  if (!quantity.ok() || quantity->is_length) return absl::OkStatus();
+  return absl::InvalidArgumentError("and CSS demands a unit, such as px or deg");
 }
 
 absl::Status ReadLength(const pugi::xml_node& node, const char* name, Along along, const Viewport& viewport,

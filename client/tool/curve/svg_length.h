@@ -24,6 +24,10 @@ enum class Along { kX, kY, kBoth };
 // an unknown one; a percentage of an absent viewport.
 absl::StatusOr<double> ParseLength(absl::string_view text, Along along, const Viewport& viewport);
 
+// CSS demands a unit where attributes do not. Error: INVALID_ARGUMENT with the reason, for a number other than 0
+// without one. The text may still be no length.
+absl::Status CheckUnit(absl::string_view text);
+
 // Reads an attribute; leaves `value` if the element lacks it. Errors: those of ParseLength, naming the attribute.
 absl::Status ReadLength(const pugi::xml_node& node, const char* name, Along along, const Viewport& viewport,
                         double& value);

@@ -13,6 +13,8 @@
 namespace latvox::client {
 namespace {
 
+constexpr size_t kMaxSteps = 10'000'000;
+
 bool IsOneOf(absl::string_view word, std::initializer_list<absl::string_view> words) {
   return std::find(words.begin(), words.end(), word) != words.end();
 }
@@ -53,16 +55,18 @@ absl::Status SvgStyles::AddSheet(const pugi::xml_node& style) {
       const std::string key = !selector.id.empty()        ? absl::StrCat("#", selector.id)
                               : !selector.classes.empty() ? absl::StrCat(".", selector.classes[0])
                                                           : selector.type;
-      entries_[key].push_back({std::move(selector), rule.declarations, rules_});
+      entries_[key].push_back({std::move(selector), declarations_.size()});
     }
-    ++rules_;
+    declarations_.push_back(std::move(rule.declarations));
   }
   return absl::OkStatus();
 }
 
-absl::Status SvgStyles::Apply(pugi::xml_node node, absl::string_view type) const {
-  const std::vector<absl::string_view> classes = absl::StrSplit(absl::string_view(node.attribute("class").value()),
-                                                                absl::ByAnyChar(" \t\r\n\f"), absl::SkipEmpty());
+absl::Status SvgStyles::Apply(pugi::xml_node node, absl::string_view type) {
+  std::vector<absl::string_view> classes = absl::StrSplit(absl::string_view(node.attribute("class").value()),
+                                                          absl::ByAnyChar(" \t\r\n\f"), absl::SkipEmpty());
+  std::sort(classes.begin(), classes.end());
+  classes.erase(std::unique(classes.begin(), classes.end()), classes.end());
   const absl::string_view id = node.attribute("id").value();
   std::vector<std::string> keys = {"", std::string(type), absl::StrCat("#", id)};
   for (const absl::string_view each : classes) keys.push_back(absl::StrCat(".", each));
@@ -70,7 +74,7 @@ absl::Status SvgStyles::Apply(pugi::xml_node node, absl::string_view type) const
   const auto matches = [&](const CssSelector& selector) {
     return (selector.type.empty() || selector.type == type) && (selector.id.empty() || selector.id == id) &&
            std::all_of(selector.classes.begin(), selector.classes.end(), [&](const std::string& wanted) {
-             return std::find(classes.begin(), classes.end(), wanted) != classes.end();
+             return std::binary_search(classes.begin(), classes.end(), wanted);
            });
   };
   const auto own = ParseDeclarations(node.attribute("style").value());
@@ -78,20 +82,29 @@ absl::Status SvgStyles::Apply(pugi::xml_node node, absl::string_view type) const
 
   // The last one wins: by importance, the attribute `style` above sheets, specificity, order.
   using Rank = std::tuple<bool, bool, std::array<size_t, 3>, size_t>;
-  std::vector<std::pair<Rank, const CssDeclaration*>> ranked;
+  absl::flat_hash_map<absl::string_view, std::pair<Rank, const CssDeclaration*>> winners;  // by property
+  const auto offer = [&](const CssDeclaration& declaration, const Rank& rank) {
+    auto& winner = winners[declaration.name];
+    if (winner.second == nullptr || winner.first <= rank) winner = {rank, &declaration};
+  };
   for (const std::string& key : keys) {
     const auto found = entries_.find(key);
     if (found == entries_.end()) continue;
-    for (const Entry& entry : found->second) {
-      if (!matches(entry.selector)) continue;
-      for (const CssDeclaration& each : entry.declarations) {
-        ranked.push_back({{each.is_important, false, entry.selector.specificity(), entry.order}, &each});
+    for (const auto& [selector, rule] : found->second) {
+      const bool is_match = matches(selector);
+      steps_ += 1 + selector.classes.size() + (is_match ? declarations_[rule].size() : 0);
+      if (steps_ > kMaxSteps) {
+        return absl::InvalidArgumentError(
+            absl::StrCat("exceeds the limit of ", kMaxSteps, " selectors and declarations to compare with elements"));
+      }
+      if (!is_match) continue;
+      for (const CssDeclaration& each : declarations_[rule]) {
+        offer(each, {each.is_important, false, selector.specificity(), rule});
       }
     }
   }
-  for (const CssDeclaration& each : *own) ranked.push_back({{each.is_important, true, {}, 0}, &each});
-  std::stable_sort(ranked.begin(), ranked.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-  for (const auto& [rank, declaration] : ranked) Write(node, *declaration);
+  for (const CssDeclaration& each : *own) offer(each, {each.is_important, true, {}, 0});
+  for (const auto& [name, winner] : winners) Write(node, *winner.second);
   RemoveAutoSizes(node);
   return absl::OkStatus();
 }

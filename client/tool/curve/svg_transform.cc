@@ -92,10 +92,14 @@ absl::string_view TakeArgument(absl::string_view& rest) {
   return argument;
 }
 
-// Reads the arguments of a transform as numbers, user units or degrees.
-bool ReadArguments(absl::string_view name, absl::string_view rest, const Viewport& viewport,
-                   std::vector<double>& numbers) {
-  if (ParseNumbers(rest, numbers)) return true;
+constexpr char kNoTransform[] =
+    "does not begin with translate(x,y), scale(x,y), rotate(angle,x,y), skewX(angle), skewY(angle) or matrix(6), with "
+    "px, in, cm, mm, Q, pt, pc and % of lengths, and deg, grad, rad and turn of angles";
+
+// Reads the arguments of a transform as numbers, user units or degrees. Errors: INVALID_ARGUMENT with the reason.
+absl::Status ReadArguments(absl::string_view name, absl::string_view rest, const Viewport& viewport,
+                           std::vector<double>& numbers) {
+  if (ParseNumbers(rest, numbers)) return absl::OkStatus();
   numbers.clear();
   const bool turns = name == "rotate";
   for (SkipSpace(rest); !rest.empty(); SkipSeparator(rest)) {
@@ -103,17 +107,43 @@ bool ReadArguments(absl::string_view name, absl::string_view rest, const Viewpor
     const size_t n = numbers.size();
     double& number = numbers.emplace_back();
     if (absl::StartsWith(name, "skew") || (turns && n == 0)) {
-      if (!ReadAngle(argument, number)) return false;
+      if (!ReadAngle(argument, number)) return absl::InvalidArgumentError(kNoTransform);
     } else if (absl::StartsWith(name, "translate") || turns) {
       const auto length =
           ParseLength(argument, name == "translatey" || n % 2 == (turns ? 0 : 1) ? Along::kY : Along::kX, viewport);
-      if (!length.ok()) return false;
+      if (!length.ok()) {
+        return absl::InvalidArgumentError(
+            absl::StrCat("has the argument \"", argument, "\", which ", length.status().message()));
+      }
       number = *length;
     } else if (!ReadDecimal(argument, number) || !argument.empty()) {
-      return false;
+      return absl::InvalidArgumentError(kNoTransform);
     }
   }
-  return true;
+  return absl::OkStatus();
+}
+
+// Checks the arguments of one transform of CSS.
+//   name   in lower case
+absl::Status CheckCssArguments(absl::string_view name, absl::string_view rest) {
+  const bool has_units =
+      absl::StartsWith(name, "translate") || absl::StartsWith(name, "rotate") || absl::StartsWith(name, "skew");
+  size_t arguments = 0;
+  for (bool more = true; more; ++arguments) {
+    SkipSpace(rest);
+    const absl::string_view argument = TakeArgument(rest);
+    SkipSpace(rest);
+    more = absl::ConsumePrefix(&rest, ",");
+    if (argument.empty() || (!more && !rest.empty())) {
+      return absl::InvalidArgumentError("and CSS demands one comma between arguments");
+    }
+    if (!has_units) continue;
+    if (auto status = CheckUnit(argument); !status.ok()) return status;
+  }
+  if (name == "rotate" && arguments > 1) {
+    return absl::InvalidArgumentError("and in CSS, rotate() has one angle; transform-origin is the center");
+  }
+  return absl::OkStatus();
 }
 
 }  // namespace
@@ -135,19 +165,42 @@ absl::StatusOr<Affine> ParseTransforms(absl::string_view text, const Viewport& v
     const size_t close = FindClose(inside);
     const std::string name = absl::AsciiStrToLower(absl::StripAsciiWhitespace(rest.substr(0, open)));
     std::vector<double> numbers;
-    std::optional<Affine> one;
-    if (close != absl::string_view::npos && ReadArguments(name, inside.substr(0, close), viewport, numbers)) {
-      one = TransformOf(name, numbers);
+    const auto refusal = [&](absl::string_view why) {
+      return absl::InvalidArgumentError(absl::StrCat("transform \"", rest, "\" ", why));
+    };
+    if (close == absl::string_view::npos) return refusal(kNoTransform);
+    if (auto status = ReadArguments(name, inside.substr(0, close), viewport, numbers); !status.ok()) {
+      return refusal(status.message());
     }
-    if (!one) {
-      return absl::InvalidArgumentError(
-          absl::StrCat("transform \"", rest, "\" does not begin with translate(x,y), scale(x,y), rotate(angle,x,y), ",
-                       "skewX(angle), skewY(angle) or matrix(6), with lengths and angles in units of the plane"));
-    }
+    const auto one = TransformOf(name, numbers);
+    if (!one) return refusal(kNoTransform);
     transform = Compose(transform, *one);
     rest = inside.substr(close + 1);
   }
   return transform;
+}
+
+absl::Status CheckCssTransforms(absl::string_view text) {
+  for (absl::string_view rest = text; SkipSpace(rest), absl::StrContains(rest, '(');) {
+    const size_t open = rest.find('(');
+    const absl::string_view inside = rest.substr(open + 1);
+    const size_t close = std::min(FindClose(inside), inside.size());
+    const std::string name = absl::AsciiStrToLower(rest.substr(0, open));
+    if (!std::all_of(name.begin(), name.end(), [](unsigned char c) { return absl::ascii_isalnum(c); })) {
+      return absl::InvalidArgumentError("and CSS demands a name before each parenthesis, with no comma or space");
+    }
+    if (auto status = CheckCssArguments(name, inside.substr(0, close)); !status.ok()) return status;
+    rest = inside.substr(std::min(close + 1, inside.size()));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status CheckCssOrigin(absl::string_view text) {
+  for (absl::string_view rest = text; SkipSpace(rest), !rest.empty();) {
+    if (auto status = CheckUnit(TakeArgument(rest)); !status.ok()) return status;
+    if (absl::StartsWith(rest, ",")) return absl::InvalidArgumentError("and CSS has no comma between lengths");
+  }
+  return absl::OkStatus();
 }
 
 absl::StatusOr<Vec2d> ParseOrigin(absl::string_view text, const Viewport& viewport) {

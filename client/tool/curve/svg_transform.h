@@ -29,6 +29,11 @@ Affine Compose(const Affine& outer, const Affine& inner);
 //   viewport   what percentages refer to
 absl::StatusOr<Affine> ParseTransforms(absl::string_view text, const Viewport& viewport);
 
+// CSS is stricter than attributes: it demands units, and commas between arguments but none between transforms. Errors:
+// INVALID_ARGUMENT with the reason. The text may still be no transform or origin.
+absl::Status CheckCssTransforms(absl::string_view text);
+absl::Status CheckCssOrigin(absl::string_view text);
+
 // Reads a transform-origin, the fixed point of the transforms. Errors: INVALID_ARGUMENT naming the text.
 absl::StatusOr<Vec2d> ParseOrigin(absl::string_view text, const Viewport& viewport);
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "client/tool/curve/svg_curves.h"
 
@@ -78,6 +79,8 @@ TEST(SvgStyle, TransformsOfCss) {
   same("transform:matrix(1, 2, 3, 4, 5, 6)", "matrix(1 2 3 4 5 6)");
   same("transform:none", "");
   same("transform:rotate(90deg);transform-origin:3px 4px", "rotate(90 3 4)");
+  same("transform:rotate(90deg);transform-origin: calc( 2 * 4px ) 0", "rotate(90 8 0)");
+  same("transform:translate(0 , 0) translateX(calc( (1px + 1px) * 2 ))", "translate(4)");
   same("transform:rotate(90deg);transform-origin:center", "rotate(90 10 20)");
   same("transform:rotate(90deg);transform-origin:bottom right 0", "rotate(90 20 40)");
   same("transform:rotate(90deg);transform-origin:top;transform-box:view-box", "rotate(90 10 0)");
@@ -89,6 +92,10 @@ TEST(SvgStyle, TransformsOfCss) {
     EXPECT_THAT(Error(absl::StrCat("<g style='transform:", transform, "'/>")),
                 HasSubstr(absl::StrCat("line 2: <g> transform \"", transform)));
   }
+  EXPECT_THAT(Error("<g transform='translate(50%)'/>"),
+              HasSubstr("transform \"translate(50%)\" has the argument \"50%\", which needs a viewBox"));
+  EXPECT_THAT(Error("<g transform='turn(1)'/>"),
+              HasSubstr("px, in, cm, mm, Q, pt, pc and % of lengths, and deg, grad, rad and turn of angles"));
   EXPECT_THAT(Error("<g style='transform:none;transform-origin:1em'/>"), HasSubstr("transform-origin \"1em\" is not"));
   EXPECT_THAT(Error("<g style='transform:scale(2);transform-box:fill-box'/>"), HasSubstr("transform-box \"fill-box\""));
 }
@@ -100,8 +107,9 @@ TEST(SvgStyle, LengthsAreComputed) {
   EXPECT_EQ(x("calc(-1 * calc(2px - -3px))"), -5);
   EXPECT_EQ(x("min(3px, 50%)") + x("max(3px,50%)") + x("clamp(1px, 9px, 4px)"), 3 + 10 + 4);
   EXPECT_EQ(x("calc(2 * 3)"), 6);
-  for (const char* wrong : {"calc(1px + 2)", "calc(1px+ 2px)", "calc(1px * 1px)", "calc(1 / 1px)", "calc(1px / 0)",
-                            "calc(1px, 2px)", "calc(1px", "calc()", "sin(1)", "clamp(1px,2px)", "calc(1em)", "1px)"}) {
+  for (const char* wrong :
+       {"calc(1px + 2)", "calc(1px+ 2px)", "calc(1px * 1px)", "calc(1 / 1px)", "calc(1px / 0)", "calc(1px, 2px)",
+        "calc(1px", "calc()", "sin(1)", "clamp(1px,2px)", "calc(1em)", "1px)", "(5)", "(5px)"}) {
     EXPECT_THAT(Error(absl::StrCat("<line x2='", wrong, "'/>")), HasSubstr(absl::StrCat("<line> x2 \"", wrong)));
   }
   EXPECT_THAT(Error("<line x2='" + std::string(100, '(') + "'/>"), HasSubstr("<line> x2"));
@@ -151,20 +159,44 @@ TEST(SvgStyle, VisibilityIsInherited) {
                    "<defs><line id='l' x2='5'/></defs><use href='#l' visibility='hidden'/>"),
               ElementsAre(2, 4));
   EXPECT_THAT(Ends("<symbol id='s' style='display:none'><line x2='1'/></symbol><use href='#s'/>"), IsEmpty());
-  const auto root = ParseSvg("<svg style='display:none'><line x2='1'/></svg>");
-  ASSERT_TRUE(root.ok());
-  EXPECT_THAT(*root, IsEmpty());
+}
+
+TEST(SvgStyle, TheRootMayBeHidden) {
+  for (const char* attributes :
+       {"style='display:none'", "visibility='hidden'", "style='visibility:collapse'", "id='r'"}) {
+    const auto root = ParseSvg(absl::StrCat("<svg ", attributes, "><style>#r{visibility:hidden}</style>",
+                                            "<line x2='1'/><line x2='2' visibility='visible'/></svg>"));
+    ASSERT_TRUE(root.ok()) << root.status();
+    EXPECT_EQ(root->size(), absl::StrContains(attributes, "display") ? 0U : 1U) << attributes;
+  }
 }
 
 TEST(SvgStyle, PassesOverWhatDoesNotMatter) {
   const std::string css =
       "@charset \"utf-8\"; @namespace svg url(http://www.w3.org/2000/svg);"
-      "@font-face { font-family: 'a}'; src: url(data:font/woff;base64,/*) }"
+      "@font-face { font-family: 'a}'; src: URL( data:font/woff;base64,/*'}) }"
       "@keyframes k { from { transform: rotate(0) } to { transform: rotate(1turn) } }"
       "@media print { g > path { fill: red } }"
       ".a:hover { transform: scale(2) } .b path:first-child { stroke: url(#x); rotate: none }"
-      ".c { translate: none; zoom: 1; animation: k 1s; opacity: 0; --x: { } }";
-  EXPECT_THAT(Ends("<style>" + css + "</style><line class='a b c' x2='1' style='offset:0.5'/>"), ElementsAre(1));
+      ".a:hover, .a:focus-within { rotate: 45deg; .d { display: none } } .c:active { width: 5 }"
+      ".c { translate: none; zoom: 1; animation: k 1s; opacity: 0; --x: { } }"
+      ".d { background: url(/*\\)\"{); cursor: url( '/*)' ) }"
+      ".e { display: none }";
+  EXPECT_THAT(Ends("<style>" + css + "</style><line class='a b c d' x2='1' style='offset:0.5'/><line class='e'/>"),
+              ElementsAre(1));
+}
+
+TEST(SvgStyle, ManyComparisonsAreRefused) {
+  std::string list, lines;
+  for (int n = 0; n < 1000; ++n) list += ".a.b,";
+  for (int n = 0; n < 4000; ++n) lines += "<g class='a'/>";
+  EXPECT_THAT(Error(absl::StrCat("<style>", list, ".b{display:none}</style>", lines)),
+              HasSubstr("exceeds the limit of 10000000 selectors and declarations to compare with elements"));
+  std::string classes;
+  for (int n = 0; n < 100'000; ++n) classes += "a ";
+  list.clear();
+  for (int n = 0; n < 1000; ++n) list += ".a{r:1px}";
+  EXPECT_THAT(Ends(absl::StrCat("<style>", list, "</style><line x2='1' class='", classes, "'/>")), ElementsAre(1));
 }
 
 TEST(SvgStyle, RefusalsNameTheRule) {
@@ -173,18 +205,37 @@ TEST(SvgStyle, RefusalsNameTheRule) {
                 AllOf(HasSubstr("line 2: <style> has the style \""), HasSubstr(says)));
   };
   for (const char* selector :
-       {"g path", "g > path", "a + b", "a ~ b", "[x]", ":root", "a:not(.b:hover)", "a\\:b", "a::before", ""}) {
+       {"g path", "g > path", "a + b", "a ~ b", "[x]", ":root", "a:not(.b:hover)", "a\\:b", "a::before", "",
+        ".a:is(:hover, .b)", ":where(:focus,.b)", ".a\\:hover", "[title=':hover']", "#1", ".5a", "1", ".-1", "-"}) {
     refuses(absl::StrCat(".x, ", selector, " { display: none }"), absl::StrCat("not \"", selector, "\""));
   }
   refuses("{display:none}", "has the style \"\"");
   refuses("@import url(x.css);", "\"@import url(x.css)\", and this rule is not read");
   refuses("@media print { .a { display:none } }", "\".a\", and rules that apply under a condition are not read");
   refuses("@supports (a:b) { @media all { .a { r:1px } } }", "\".a\", and rules that apply under a condition");
-  refuses(".a { .b { display:none } }", "\".a\", and nested rules are not read");
+  refuses(".a { --x:{}; .b { display:none } }", "\".a\", and nested rules are not read");
   refuses(".a { width: 5 }", "\"width: 5\", and CSS demands a unit");
   refuses(".a { transform: rotate(45) }", "and CSS demands a unit");
   refuses(".a { transform-origin: 4 4 }", "and CSS demands a unit");
   refuses(".a { width: var(--w) }", "and var() is not read");
+  for (const char* length : {"5", "calc(2*3)", "calc(0)", "min(3,4)", "max(3, calc(4))"}) {
+    refuses(absl::StrCat(".a { x: ", length, " }"), "and CSS demands a unit");
+    refuses(absl::StrCat(".a { transform: translate(1px, ", length, ") }"), "and CSS demands a unit");
+    refuses(absl::StrCat(".a { transform-origin: 0 ", length, " }"), "and CSS demands a unit");
+  }
+  for (const char* transform : {"translate(5px 5px)", "matrix(1 2 3 4 5 6)", "scale(2,)", "scale()", "scale(1,,2)"}) {
+    refuses(absl::StrCat(".a { transform: ", transform, " }"), "and CSS demands one comma between arguments");
+  }
+  for (const char* transform : {"scale(2), scale(3)", "scale (2)", "none scale(2)"}) {
+    refuses(absl::StrCat(".a { transform: ", transform, " }"), "and CSS demands a name before each parenthesis");
+  }
+  refuses(".a { transform: rotate(45deg, 3px, 4px) }", "and in CSS, rotate() has one angle");
+  refuses(".a { transform-origin: 3px, 4px }", "and CSS has no comma between lengths");
+  for (const char* name : {"x", "d", "transform", "transform-origin", "transform-box", "display", "visibility"}) {
+    refuses(absl::StrCat(".a { ", name, ": }"), "which has no value");
+  }
+  refuses(".a { display: foo }", "and this value of display is not read");
+  refuses(".a { visibility: none }", "and this value of visibility is not read");
   refuses(".a { display: inherit }", "and the keyword inherit is not read");
   refuses(".a { rotate: 45deg }", "and the property rotate is not read");
   refuses(".a { offset: path(\"M0 0\") }", "and the property offset is not read");
@@ -193,8 +244,12 @@ TEST(SvgStyle, RefusalsNameTheRule) {
   std::string deep;
   for (int n = 0; n < 100; ++n) deep += "@media x{";
   refuses(deep, "the limit is 32");
-  const auto sheet = ParseSvg("<?xml-stylesheet href='a.css'?><svg/>");
-  EXPECT_THAT(std::string(sheet.status().message()), HasSubstr("has a style sheet of its own file"));
+  for (const char* drawing :
+       {"<?xml-stylesheet href='a.css'?><svg/>", "<svg><defs><link rel='StyleSheet' href='a.css'/></defs></svg>",
+        "<svg><h:link rel='stylesheet' href='a.css'/></svg>"}) {
+    EXPECT_THAT(std::string(ParseSvg(drawing).status().message()), HasSubstr("has a style sheet of its own file"));
+  }
+  EXPECT_THAT(Ends("<h:link rel='license'/><line x2='1'/>"), ElementsAre(1));
 }
 
 }  // namespace
