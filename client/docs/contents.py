@@ -14,9 +14,9 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 CONTENTS = [
     ("Start", [("Overview", "index.html"), "client/docs/tutorial.md", "client/docs/choosing.md", "client/docs/exact.md"]),
     ("Tasks", [
-        "client/docs/inputs-and-outputs.md", "client/docs/sets.md", "client/docs/fields.md", "client/docs/batch.md",
-        "client/docs/sdk.md", "client/docs/python.md", "client/docs/languages.md", "server/docs/protocol.md",
-        "client/docs/life-of-a-call.md", "client/docs/*.md",
+        "client/docs/inputs-and-outputs.md", "client/docs/drawings.md", "client/docs/sets.md", "client/docs/fields.md",
+        "client/docs/batch.md", "client/docs/sdk.md", "client/docs/python.md", "client/docs/languages.md",
+        "server/docs/protocol.md", "client/docs/life-of-a-call.md", "client/docs/*.md",
     ]),
     ("Server", ["server/docs/running.md", "server/docs/security.md", "server/docs/operations.md", "server/docs/*.md"]),
     ("Deployment", ["deploy/README.md", "deploy/docs/*.md", "deploy/scale/README.md"]),
