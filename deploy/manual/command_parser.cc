@@ -2,7 +2,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cstdlib>
 #include <iterator>
 #include <map>
 #include <set>
@@ -15,11 +14,10 @@
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
 #include "absl/strings/string_view.h"
-#include "absl/strings/strip.h"
 #include "deploy/manual/help.h"
-#include "deploy/manual/nearest_word.h"
 #include "deploy/manual/option_values.h"
 #include "deploy/manual/toml_file.h"
+#include "deploy/manual/unknown_word.h"
 
 namespace latvox {
 namespace {
@@ -175,32 +173,10 @@ Words ValuesOf(const CLI::Option& option) {
   return absl::StrSplit(text.substr(1, text.size() - 2), ',');
 }
 
-Words LongNames(const CommandFacts& command) {
-  Words names;
-  for (const OptionFacts& option : command.options) {
-    for (const std::string& name : option.names) {
-      if (absl::StartsWith(name, "--")) names.push_back(name.substr(2));
-    }
-  }
-  return names;
-}
-
-Words CommandNames(const CommandFacts& program) {
-  Words names;
-  for (const CommandFacts& command : program.commands) names.push_back(command.name);
-  return names;
-}
-
-// Returns the value of the option's environment variable, or "".
-std::string VariableOf(const CLI::Option& option) {
-  const char* value = option.get_envname().empty() ? nullptr : std::getenv(option.get_envname().c_str());
-  return value == nullptr ? "" : value;
-}
-
 // CLI11 2.4 ignores a variable whose value is wrong. 2.3 refuses it.
 void TakeIgnoredVariables(CLI::App& app) {
   for (CLI::Option* option : app.get_options()) {
-    const std::string value = VariableOf(*option);
+    const std::string value = ValueOfVariable(option->get_envname());
     if (option->count() > 0 || value.empty()) continue;
     option->add_result(value);
     option->run_callback();
@@ -213,7 +189,7 @@ OptionState::Source SourceOf(const CLI::App& app, const CLI::Option& option) {
   const auto& flags = app.parse_order();
   if (std::find(flags.begin(), flags.end(), &option) != flags.end()) return Source::kFlag;
   if (option.count() == 0) return Source::kDefault;
-  return VariableOf(option).empty() ? Source::kFile : Source::kEnvironment;
+  return ValueOfVariable(option.get_envname()).empty() ? Source::kFile : Source::kEnvironment;
 }
 
 }  // namespace
@@ -327,24 +303,11 @@ void CommandParser::RefuseUnknownWord() const {
   const Words unknown = library_->app.remaining(/*recurse=*/true);
   if (unknown.empty()) return;
   const std::string word = unknown[0].substr(0, unknown[0].find('='));
-  const bool is_option = absl::StartsWith(word, "-");
-  const std::string quoted = absl::StrCat("\"", word, "\"");
+  const std::string page = absl::StrCat(PathOf(command), " --help");
   if (command != nullptr && !before.empty()) {
-    throw UsageError(
-        absl::StrCat(quoted, " stands before the command; options follow it, see ", PathOf(command), " --help"));
+    throw UsageError(absl::StrCat("\"", word, "\" stands before the command; options follow it, see ", page));
   }
-  const bool is_command = !is_option && command == nullptr && !commands_.empty();
-  const CommandFacts facts = command == nullptr ? Describe() : command->Describe();
-  const auto nearest =
-      NearestWord(absl::StripPrefix(absl::StripPrefix(word, "-"), "-"), is_option    ? LongNames(facts)
-                                                                        : is_command ? CommandNames(facts)
-                                                                                     : Words());
-  throw UsageError(absl::StrCat(is_option    ? "unknown option "
-                                : is_command ? "unknown command "
-                                             : "unexpected argument ",
-                                quoted, "; ",
-                                nearest ? absl::StrCat("did you mean ", is_option ? "--" : "", *nearest, "?")
-                                        : absl::StrCat("see ", PathOf(command), " --help")));
+  throw UsageError(UnknownWord(word, command == nullptr ? Describe() : command->Describe(), page));
 }
 
 // The library names the option alone, wherever its value comes from.

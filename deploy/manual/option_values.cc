@@ -1,6 +1,7 @@
 #include "deploy/manual/option_values.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <iterator>
 #include <limits>
 #include <type_traits>
@@ -143,6 +144,11 @@ void DescribeValue(const OptionRow& row, OptionFacts& facts) {
   for (const OptionCheck& check : row.checks) {
     if (!check.range.empty()) facts.range = check.range;
   }
+}
+
+std::string ValueOfVariable(const std::string& name) {
+  const char* value = name.empty() ? nullptr : std::getenv(name.c_str());
+  return value == nullptr ? "" : value;
 }
 
 bool IsText(const OptionRow& row) {

@@ -1,4 +1,4 @@
-// The values that options may have: on the command line, and in a configuration file.
+// The values that options may have: on the command line, in the environment, and in a configuration file.
 #ifndef LATVOX_MANUAL_OPTION_VALUES_H_
 #define LATVOX_MANUAL_OPTION_VALUES_H_
 
@@ -27,6 +27,9 @@ std::string SizeText(const std::string& bytes);
 
 // Fills in what help and pages say about the values: their name, such as N, words, range, default.
 void DescribeValue(const OptionRow& row, OptionFacts& facts);
+
+// Returns the value of an environment variable; "" if it has none, or if the name is empty.
+std::string ValueOfVariable(const std::string& name);
 
 // Whether the values of the row are texts, neither numbers nor switches.
 bool IsText(const OptionRow& row);
