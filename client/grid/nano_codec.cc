@@ -44,7 +44,7 @@ void Unblosc(std::istream& in, uint64_t file_bytes, char* to, uint64_t bytes) {
     size_t unpacked = 0;
     if (blosc_cbuffer_validate(packed.data(), packed.size(), &unpacked) != 0 || unpacked != chunk ||
         blosc_decompress_ctx(packed.data(), to + done, chunk, /*numinternalthreads=*/1) != static_cast<int>(chunk)) {
-      throw std::runtime_error(absl::StrCat("its BLOSC chunk does not unpack to ", chunk, " bytes"));
+      throw std::runtime_error(absl::StrCat("its BLOSC chunk at byte ", done, " does not unpack to ", chunk, " bytes"));
     }
     read += sizeof(uint64_t) + packed.size();
     done += chunk;

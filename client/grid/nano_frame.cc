@@ -8,7 +8,7 @@
 namespace latvox::client {
 namespace {
 
-void Fail(const std::string& why) { throw std::runtime_error(why); }
+[[noreturn]] void Fail(const std::string& why) { throw std::runtime_error(why); }
 
 template <class T>
 T Get(std::istream& in) {

@@ -2,6 +2,7 @@
 #include <exception>
 #include <ios>
 #include <limits>
+#include <new>
 
 #include "absl/strings/str_cat.h"
 #include "client/grid/nano_facts.h"
@@ -47,6 +48,8 @@ absl::StatusOr<GridFileInfo> ReadNanoFileInfo(const std::string& path) {
     GridFileInfo info = Describe(first.header, data);
     info.metadata = ReadNanoMetadata(*file, first, data);
     return info;
+  } catch (const std::bad_alloc&) {
+    return absl::ResourceExhaustedError(absl::StrCat(path, ": not enough memory to read it"));
   } catch (const std::ios_base::failure&) {
     return NotReadable(path, "it is cut short");
   } catch (const std::exception& error) {

@@ -213,7 +213,7 @@ class Convert(Case):
 
     def test_compressed_grids_that_cannot_be_unpacked(self):
         self.write(JOBS["plain"], "a.vdb")
-        for option, says in ("-z", "its ZIP stream does not unpack to"), ("-b", "its BLOSC chunk does not unpack to"):
+        for option, says in ("-z", "its ZIP stream does not unpack to"), ("-b", "its BLOSC chunk at byte 0 does not unpack to"):
             self.nano("a.vdb", "packed.nvdb", option)
             whole = (self.dir / "packed.nvdb").read_bytes()
             size = struct.unpack_from("<Q", whole, 16)[0]  # of the grid, behind the file's header

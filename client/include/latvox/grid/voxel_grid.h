@@ -95,8 +95,8 @@ LATVOX_EXPORT absl::StatusOr<GridFileInfo> ReadGridFileInfo(const std::string& p
 
 // Reads the same facts about the first grid of a .nvdb file (NanoVDB), as far as its header tells: counts and box are
 // not verified. The metadata are those of VoxelGrid::WriteNano. Reads no voxel. Errors, with the path:
-// NOT_FOUND; INVALID_ARGUMENT (not a readable .nvdb file, cut short); FAILED_PRECONDITION: the grid is compressed, and
-// ReadGridFileInfo reads it.
+// NOT_FOUND; INVALID_ARGUMENT (not a readable .nvdb file, cut short); RESOURCE_EXHAUSTED (memory);
+// FAILED_PRECONDITION: the grid is compressed, and ReadGridFileInfo reads it.
 LATVOX_EXPORT absl::StatusOr<GridFileInfo> ReadNanoFileInfo(const std::string& path);
 
 // A .vdb file's voxels: the grid "voxels", or else the first grid. Bricks are in lexicographic order of brick_ijk.
