@@ -6,10 +6,15 @@
 #include "absl/strings/str_cat.h"
 
 namespace latvox::client {
+namespace {
+
+constexpr char kBadElements[] = "BAD_ELEMENTS";
+
+}  // namespace
 
 absl::Status BadElements::Add(const absl::Status& error, const std::string& element) {
   if (!skip_) return error;
-  if (count_++ == 0) first_ = Warning{"BAD_ELEMENTS", std::string(error.message()), element};
+  if (count_++ == 0) first_ = Warning{kBadElements, std::string(error.message()), element};
   return absl::OkStatus();
 }
 
@@ -19,6 +24,13 @@ void BadElements::Report(Mesh& mesh) const {
   warning.message = count_ == 1 ? absl::StrCat("1 broken element is left out: ", first_.message)
                                 : absl::StrCat(count_, " broken elements are left out; the first: ", first_.message);
   mesh.warnings.push_back(std::move(warning));
+}
+
+std::string LeftOut(const Mesh& mesh) {
+  for (const Warning& warning : mesh.warnings) {
+    if (warning.code == kBadElements) return absl::StrCat("; ", warning.message);
+  }
+  return "";
 }
 
 void RemoveNotFinite(Mesh& mesh) {

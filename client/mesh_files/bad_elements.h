@@ -1,4 +1,4 @@
-// Broken elements of a file.
+// Broken elements of a mesh: of a file, or of arrays.
 #ifndef LATVOX_CLIENT_MESH_FILES_BAD_ELEMENTS_H_
 #define LATVOX_CLIENT_MESH_FILES_BAD_ELEMENTS_H_
 
@@ -32,6 +32,9 @@ class BadElements {
 inline bool IsFinite(const Vec3d& position) {
   return std::isfinite(position[0]) && std::isfinite(position[1]) && std::isfinite(position[2]);
 }
+
+// Returns "; " and the warning BAD_ELEMENTS of the mesh, for the error that no triangle is left; "" if it has none.
+std::string LeftOut(const Mesh& mesh);
 
 // Removes the positions that are not finite. No triangle may use one.
 void RemoveNotFinite(Mesh& mesh);

@@ -11,6 +11,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "client/internal/printable.h"
+#include "client/mesh_files/bad_elements.h"
 #include "client/mesh_files/decode.h"
 #include "client/mesh_files/draco_file.h"
 #include "client/mesh_files/gltf_file.h"
@@ -59,7 +60,9 @@ absl::StatusOr<Mesh> Named(const std::string& path, absl::StatusOr<Mesh> mesh) {
     mesh->warnings.push_back(
         {"SKIPPED_ELEMENTS", absl::StrCat(mesh->skipped, " elements without a surface are left out")});
   }
-  if (mesh->triangles.empty()) return absl::InvalidArgumentError(absl::StrCat(name, ": the mesh has no triangles"));
+  if (mesh->triangles.empty()) {
+    return absl::InvalidArgumentError(absl::StrCat(name, ": the mesh has no triangles", LeftOut(*mesh)));
+  }
   return mesh;
 }
 

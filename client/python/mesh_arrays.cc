@@ -126,9 +126,9 @@ absl::StatusOr<Mesh> MeshOfArrays(const py::array& vertices, const std::vector<p
   for (const py::array& one : faces) {
     if (absl::Status status = AddFaces(one, bad, mesh); !status.ok()) return status;
   }
-  if (mesh.triangles.empty()) return Wrong("faces", "", "", ": the mesh has none");
-  if (absl::Status status = AddColors(colors, mesh); !status.ok()) return status;
   bad.Report(mesh);
+  if (mesh.triangles.empty()) return Wrong("faces", "", "", ": the mesh has none", LeftOut(mesh));
+  if (absl::Status status = AddColors(colors, mesh); !status.ok()) return status;
   RemoveNotFinite(mesh);
   return mesh;
 }

@@ -243,8 +243,16 @@ def test_skip_bad_leaves_out_what_it_leaves_out_of_files(tmp_path):
     (tmp_path / "mesh.obj").write_text("\n".join(lines))
     with pytest.warns(latvox.VoxelizeWarning, match="broken elements are left out"):
         assert latvox.voxelize(tmp_path / "mesh.obj", skip_bad=True, **OPTIONS).digest == v.digest
-    with pytest.raises(latvox.InvalidArgument, match="faces: the mesh has none"):
-        latvox.voxelize((points, faces[-2:]), skip_bad=True)
+
+
+def test_skip_bad_that_leaves_no_face_names_the_first_broken_one():
+    first = f"faces\\[0\\]: index 99 is not within 0 and {len(POINTS)}, the number of vertices"
+    for faces, what in (
+        ([[0, 1, 99], [-1, 0, 1]], "2 broken elements are left out; the first"),
+        ([[0, 1, 99]], "1 broken element is left out"),
+    ):
+        with pytest.raises(latvox.InvalidArgument, match=f"faces: the mesh has none; {what}: {first}"):
+            latvox.voxelize((POINTS, np.array(faces)), skip_bad=True)
 
 
 @pytest.mark.parametrize("mesh", [None, 5, [], (1, 2, 3), object(), b"mesh.obj"])
