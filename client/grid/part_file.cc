@@ -15,6 +15,7 @@
 #include "client/internal/printable.h"
 
 namespace latvox::client {
+
 absl::Status PartFile::OpenStream() {
   std::error_code error;
   if (std::filesystem::is_directory(path_, error)) {
@@ -70,7 +71,10 @@ void PartFile::Rewind() {
 const Leaf* PartFile::Next() {
   if (!status_.ok()) return nullptr;
   try {
-    if (read_ == frame_.leaves) return CheckDigest(), nullptr;
+    if (read_ == frame_.leaves) {
+      CheckDigest();
+      return nullptr;
+    }
     ReadLeaf();
     return &leaf_;
   } catch (const std::bad_alloc&) {
@@ -84,7 +88,11 @@ const Leaf* PartFile::Next() {
 }
 
 void PartFile::ReadLeaf() {
-  frame_.is_nano ? ReadNanoLeaf(file_, leaf_) : ReadVdbLeaf(file_, leaf_);
+  if (frame_.is_nano) {
+    ReadNanoLeaf(file_, leaf_);
+  } else {
+    ReadVdbLeaf(file_, leaf_);
+  }
   ++read_;
   const TreePlace place = PlaceOf(leaf_.origin());
   const bool mask_is_values =
