@@ -75,8 +75,8 @@ struct Sections : openvdb::io::Archive {
   }
 };
 
-// Sets the facts that both formats have. Precondition: the others are set.
-void CheckPart(PartFrame& part) {
+// Sets the digest. Throws std::runtime_error if the metadata has none, or if the transform is not one of latvox.
+void SetDigest(PartFrame& part) {
   if (!IsAffine(part.grid->transform())) throw std::runtime_error("its transform is not affine and finite");
   const auto digest = part.grid->getMetadata<openvdb::StringMetadata>("latvox_digest");
   if (!digest) throw std::runtime_error("its metadata has no latvox_digest");
@@ -89,7 +89,7 @@ void RefuseCompressed(const NanoFrameGrid& grid) {
   throw std::runtime_error("it is compressed, which latvox never writes; latvox convert writes it anew");
 }
 
-// Sets the place of the leaves, which NanoVDB writes in the tree's order.
+// Sets the place of the leaves, which NanoVDB writes in the tree's order. A tree without leaves names any place.
 void SetLeaves(std::istream& in, const NanoFrameGrid& grid, PartFrame& part) {
   constexpr uint64_t kTreeAt = sizeof(nanovdb::GridData);
   const uint64_t bytes = grid.header.gridSize;
@@ -99,7 +99,9 @@ void SetLeaves(std::istream& in, const NanoFrameGrid& grid, PartFrame& part) {
   in.read(raw.data(), raw.size());
   const auto& tree = *reinterpret_cast<const NanoTreeData*>(raw.data());
   const auto first = static_cast<uint64_t>(tree.mNodeOffset[0]), leaves = uint64_t{tree.mNodeCount[0]};
-  if (leaves > 0 && (first > bytes - kTreeAt || leaves > (bytes - kTreeAt - first) / sizeof(NanoLeaf))) {
+  part.leaves_at = grid.at;
+  if (leaves == 0) return;
+  if (first > bytes - kTreeAt || leaves > (bytes - kTreeAt - first) / sizeof(NanoLeaf)) {
     throw std::runtime_error("its leaves do not lie within its grid");
   }
   part.leaves_at = grid.at + kTreeAt + first;
@@ -116,7 +118,7 @@ PartFrame ReadVdbPart(std::istream& in, uint64_t size) {
   PartFrame part;
   part.grid = sections.grid;
   part.has_fields = IsBand(first) || all.grids.size() > 1;
-  CheckPart(part);
+  SetDigest(part);
   if (part.has_fields) return part;
   part.leaves_at = static_cast<uint64_t>(sections.descriptor.getBlockPos());
   const uint64_t bytes = static_cast<uint64_t>(sections.descriptor.getEndPos()) - part.leaves_at;
@@ -139,7 +141,7 @@ PartFrame ReadNanoPart(std::istream& in) {
   part.has_fields = is_band || grids.size() > 1;
   part.grid = is_band ? openvdb::GridBase::Ptr(openvdb::FloatGrid::create()) : openvdb::BoolGrid::create(false);
   DescribeNano(first.name, data, ReadNanoMetadata(in, first, data), *part.grid);
-  CheckPart(part);
+  SetDigest(part);
   if (!part.has_fields) SetLeaves(in, first, part);
   return part;
 }

@@ -4,6 +4,7 @@ import json
 import pathlib
 import resource
 import signal
+import struct
 import subprocess
 import tempfile
 import time
@@ -132,10 +133,16 @@ class Union(MergeCase):
         self.assertEqual(self.merge(self.dir / "ab.vdb", c)["digest"], whole["digest"])
 
     def test_empty_parts_merge_to_an_empty_grid(self):
-        paths = self.parts([["--region", f"{FAR},0,0,{FAR + n},9,9"] for n in (1, 2)], "--lattice", "bcc", "--resolution", "16")
+        cuts = [["--region", f"{FAR},0,0,{FAR + n},9,9"] for n in (1, 2)]
+        for extension in (".vdb", ".nvdb"):
+            paths = self.parts(cuts, "--lattice", "bcc", "--resolution", "16", extensions=[extension])
+            self.assertEqual(self.merge(*paths)["voxels"], 0)
+            (grid,), _ = pyopenvdb.readAll(str(self.merged))
+            self.assertTrue(grid.empty())
+        part = bytearray(paths[0].read_bytes())
+        struct.pack_into("<q", part, 16 + 176 + len("voxels") + 1 + 672, 1 << 62)  # where its leaves begin; it has none
+        paths[0].write_bytes(part)
         self.assertEqual(self.merge(*paths)["voxels"], 0)
-        (grid,), _ = pyopenvdb.readAll(str(self.merged))
-        self.assertTrue(grid.empty())
 
     def test_memory_does_not_grow_with_the_bricks(self):
         for extension in (".vdb", ".nvdb"):
