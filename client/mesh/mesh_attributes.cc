@@ -6,6 +6,7 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "absl/strings/str_cat.h"
+#include "latvox/error.h"
 
 namespace latvox::client {
 namespace {
@@ -83,8 +84,10 @@ absl::Status CheckHas(const std::vector<Field>& attributes, const Mesh& mesh) {
   for (const Field attribute : attributes) {
     if (Has(mesh, attribute)) continue;
     const bool why = attribute == Field::kColor && !mesh.no_color.empty();
-    return absl::InvalidArgumentError(absl::StrCat("the mesh, or some of it, has no ", NameOf(attribute),
-                                                   why ? absl::StrCat(" (", mesh.no_color, ")") : ""));
+    absl::Status status = absl::InvalidArgumentError(absl::StrCat("the mesh, or some of it, has no ", NameOf(attribute),
+                                                                  why ? absl::StrCat(" (", mesh.no_color, ")") : ""));
+    SetErrorDetails({"BAD_MESH", "mesh", NameOf(attribute), "", std::nullopt}, status);
+    return status;
   }
   return absl::OkStatus();
 }

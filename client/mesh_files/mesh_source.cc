@@ -13,6 +13,7 @@
 #include "client/mesh_files/input.h"
 #include "client/mesh_files/mesh_file.h"
 #include "client/mesh_files/mesh_join.h"
+#include "latvox/error.h"
 
 namespace latvox::client {
 namespace {
@@ -66,6 +67,13 @@ void NameImages(const std::string& path, Mesh& mesh) {
   }
 }
 
+// Returns the error with another text.
+absl::Status Reworded(const absl::Status& error, const std::string& text) {
+  absl::Status reworded(error.code(), text);
+  SetErrorDetails(GetErrorDetails(error), reworded);
+  return reworded;
+}
+
 }  // namespace
 
 std::string NameOf(const MeshSource& input) {
@@ -95,12 +103,12 @@ absl::StatusOr<MeshOrDraco> ReadMeshSource(const MeshSource& input) {
     NameImages(path, std::get<Mesh>(*read));
     absl::Status status = CheckHas(input.attributes, std::get<Mesh>(*read));
     if (!status.ok() && (input.format ? input.format : FormatOfPath(path)) == MeshFormat::kDraco) {
-      status = absl::InvalidArgumentError(absl::StrCat(status.message(), kOwnAttributes));
+      status = Reworded(status, absl::StrCat(status.message(), kOwnAttributes));
     }
     if (input.paths.size() > 1) NameAfterFile(path, std::get<Mesh>(*read));
     if (status.ok()) status = Append(std::get<Mesh>(*std::move(read)), to_world, joined);
     if (!status.ok()) {
-      return absl::Status(status.code(), absl::StrCat(NameOfInput(path), ": ", status.message()));
+      return Reworded(status, absl::StrCat(NameOfInput(path), ": ", status.message()));
     }
   }
   return joined;

@@ -10,7 +10,6 @@
 #include "client/tool/cli/common_options.h"
 #include "client/tool/cli/mesh_options.h"
 #include "client/tool/cli/request_rows.h"
-#include "latvox/error.h"
 
 namespace latvox::client::python {
 namespace {
@@ -107,22 +106,6 @@ void AddWords(const Keyword& keyword, const CommandParser& command, py::handle g
   }
 }
 
-// The field of the error is the first option that its text names.
-absl::Status Wrong(const std::string& text) {
-  absl::Status status = absl::InvalidArgumentError(WithKeywords(text));
-  size_t first = std::string::npos;
-  ErrorDetails details;
-  for (const Keyword& keyword : AllKeywords()) {
-    const size_t at = text.find(keyword.option);
-    const bool is_longer = at == first && keyword.name.size() > details.field.size();
-    if (at == std::string::npos || (at >= first && !is_longer)) continue;
-    first = at;
-    details.field = keyword.name;
-  }
-  SetErrorDetails(details, status);
-  return status;
-}
-
 }  // namespace
 
 py::dict Keywords() {
@@ -136,8 +119,8 @@ py::dict Keywords() {
   for (const auto& [name, option, facts] : AllKeywords()) {
     const bool chooses_server = option == "--server" || has_server(facts.needs) || has_server(facts.excludes);
     const char* const scope = request.HasOption(option) ? "request" : chooses_server ? "connection" : "call";
-    all[py::str(name)] = py::dict(py::arg("help") = facts.description, py::arg("value") = facts.value,
-                                  py::arg("standard") = facts.standard, py::arg("scope") = scope);
+    all[py::str(name)] = py::dict(py::arg("help") = WithKeywords(facts.description), py::arg("value") = facts.value,
+                                  py::arg("standard") = WithKeywords(facts.standard), py::arg("scope") = scope);
   }
   return all;
 }
@@ -155,7 +138,7 @@ absl::StatusOr<VoxelizeOptions> ParseKeywords(const py::dict& keywords, const st
   CheckMeshPaths(options.mesh, options.outputs);
   return options;
 } catch (const UsageError& error) {
-  return Wrong(error.what());
+  return ToStatus(error);
 }
 
 std::string WithKeywords(const std::string& text) {

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "client/python/arguments.h"
 #include "client/python/status.h"
 #include "client/python/work.h"
 #include "client/tool/cli/remote_files.h"
@@ -72,9 +71,7 @@ absl::StatusOr<IndexBox> BoxOf(const Voxels& voxels) {
   const BoxShape& shape = voxels.output_options.shape;
   const std::optional<IndexBox> box = IndexBoxOf(voxels);
   if (!box && !shape.dims) return IndexBox{};
-  absl::StatusOr<IndexBox> shaped = ShapedBox(box.value_or(IndexBox{}), shape, "dense()");
-  if (shaped.ok()) return shaped;
-  return absl::Status(shaped.status().code(), WithKeywords(std::string{shaped.status().message()}));
+  return ShapedBox(box.value_or(IndexBox{}), shape, "dense()");
 }
 
 }  // namespace

@@ -118,7 +118,7 @@ absl::Status Walk::FindStart(WalkPass& pass, const std::optional<std::vector<uin
     return !plan_.from_seed
                ? absl::OkStatus()
                : SeedError(absl::StrCat("the nearest lattice point, ", Shown(seed), ", lies in the surface",
-                                        ball_ ? ", or within half of close of the mesh" : ""),
+                                        ball_ ? ", or within half of connected.close of the mesh" : ""),
                            seed);
   }
   uint32_t node = WalkGraph::kOutside;
@@ -138,9 +138,10 @@ absl::Status Walk::FindStart(WalkPass& pass, const std::optional<std::vector<uin
                      seed);
   }
   if (plan_.from_seed) {
-    return SeedError(absl::StrCat("the walk from the nearest lattice point, ", Shown(seed), ", gets outside",
-                                  WayOut(leak), "; close may close it, and allow_outside allows it"),
-                     seed);
+    return SeedError(
+        absl::StrCat("the walk from the nearest lattice point, ", Shown(seed), ", gets outside", WayOut(leak),
+                     "; connected.close may close it, and connected.allow_outside allows it"),
+        seed);
   }
   facts_.leak = std::move(leak);
   return absl::OkStatus();

@@ -74,7 +74,7 @@ struct Adder {
 };
 
 CLI::Validator Checked(const OptionCheck& check) {
-  return CLI::Validator([wrong = check.wrong](const std::string& word) { return wrong(word); }, "");
+  return CLI::Validator([wrong = check.wrong](const std::string& word) { return wrong(word).text; }, "");
 }
 
 // Replaces a word in upper case, such as BCC, with the one of the list.
@@ -105,6 +105,23 @@ CLI::Validator Size(uint64_t most) {
     return number <= most ? "" : absl::StrCat(given, " exceeds ", SizeText(absl::StrCat(most)));
   };
   return CLI::Validator(convert, "");
+}
+
+// Returns the first error of a word, with its value and its limit.
+WrongWord FindWrong(const OptionRow& row, const std::string& word) {
+  const auto is_it = [&word](const std::string& known) { return absl::EqualsIgnoreCase(word, known); };
+  if (!row.words.empty() && std::none_of(row.words.begin(), row.words.end(), is_it)) {
+    return {"is not one of the words", word, absl::StrJoin(row.words, ", ")};
+  }
+  for (const OptionCheck& check : row.checks) {
+    WrongWord wrong = check.wrong(word);
+    if (wrong.text.empty()) continue;
+    if (wrong.value.empty()) wrong.value = word;
+    if (wrong.limit.empty()) wrong.limit = check.range;
+    return wrong;
+  }
+  const uint64_t most = MostOf(row);
+  return {most == 0 ? "" : AboveMost(word, most), word, absl::StrCat(most)};
 }
 
 CLI::Option* AddRow(CLI::App& app, const OptionRow& row) {
@@ -325,6 +342,21 @@ std::string CommandParser::WithPlace(const std::string& error) const {
   return error;
 }
 
+UsageDetails CommandParser::DetailsOf(const std::string& error) const {
+  const std::string excludes = " excludes ";
+  if (const size_t at = error.find(excludes); absl::StartsWith(error, "--") && at != std::string::npos) {
+    return {.option = error.substr(0, at), .other = error.substr(at + excludes.size())};
+  }
+  for (const auto& [option, row] : library_->rows) {
+    if (!absl::StartsWith(error, absl::StrCat(option->get_name(), ": "))) continue;
+    for (const std::string& word : option->results()) {
+      if (auto [text, value, limit] = FindWrong(row, word); !text.empty()) return {LongName(*option), value, limit};
+    }
+    return {.option = LongName(*option)};
+  }
+  return {};
+}
+
 std::string CommandParser::Parse(std::vector<std::string> words) try {
   std::reverse(words.begin(), words.end());  // as the library wants vectors
   library_->app.parse(std::move(words));
@@ -342,7 +374,7 @@ std::string CommandParser::Parse(std::vector<std::string> words) try {
   throw;
 } catch (const CLI::ParseError& error) {
   RefuseUnknownWord();
-  throw UsageError(WithPlace(error.what()));
+  throw UsageError(WithPlace(error.what()), DetailsOf(error.what()));
 }
 
 bool CommandParser::was_given() const { return library_->app.parsed(); }

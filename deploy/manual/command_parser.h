@@ -70,6 +70,8 @@ class CommandParser {
   void RefuseUnknownWord() const;
   // Returns the error of an option with the file or variable that its value comes from.
   std::string WithPlace(const std::string& error) const;
+  // Returns what the library's error of an option is about.
+  UsageDetails DetailsOf(const std::string& error) const;
 
   std::unique_ptr<Library> library_;
   std::vector<std::unique_ptr<CommandParser>> commands_;

@@ -13,10 +13,36 @@
 
 namespace latvox {
 
+// What is wrong, for programs. Empty texts are unknown.
+struct UsageDetails {
+  std::string option = {};  // "--resolution"
+  std::string value = {};   // as given
+  std::string limit = {};   // of values: "2 to 65536"
+  std::string other = {};   // the option that excludes this one
+};
+
 // An error in the words of a command line. The text is for people and names the option.
 class UsageError : public std::runtime_error {
  public:
-  using std::runtime_error::runtime_error;
+  explicit UsageError(const std::string& text, UsageDetails details = {})
+      : std::runtime_error(text), details_(std::move(details)) {}
+  const UsageDetails& details() const { return details_; }
+
+ private:
+  UsageDetails details_;
+};
+
+// The error of a word.
+struct WrongWord {
+  // NOLINTBEGIN(google-explicit-constructor): most checks return the text alone
+  WrongWord(const char* what) : text(what) {}
+  WrongWord(std::string what, std::string word = {}, std::string range = {})
+      : text(std::move(what)), value(std::move(word)), limit(std::move(range)) {}
+  // NOLINTEND(google-explicit-constructor)
+
+  std::string text;   // without the option's name; empty: the word is right
+  std::string value;  // empty: the word
+  std::string limit;  // empty: OptionCheck::range
 };
 
 // Receives the parsed value. It must outlive the parser.
@@ -29,8 +55,7 @@ using OptionTarget =
                  std::string*, std::vector<std::string>*, std::function<void(const std::string&)>>;
 
 struct OptionCheck {
-  // Returns the error of a word, without the option's name; or "".
-  std::function<std::string(const std::string&)> wrong;
+  std::function<WrongWord(const std::string&)> wrong;
   std::string range = {};  // of values, for help: "2 to 65536"; or ""
 };
 

@@ -163,7 +163,7 @@ class Band(Case):
         for status, says, words in (
             (3, "closed", [self.dir / "open.obj", "--band", "0.1", "--signed"]),
             (3, "the limit is 256", [mesh, "--band", "1000"]),
-            (2, "verify: not together with band", [mesh, "--band", "0.1", "--verify"]),
+            (2, "--verify: not together with --band", [mesh, "--band", "0.1", "--verify"]),
             (2, "--signed", [mesh, "--signed"]),
             (2, "o.glb", [mesh, "--band", "0.1", "-o", self.dir / "o.glb"]),
         ):

@@ -298,7 +298,7 @@ class Fields(Case):
             (3, "plain.obj: the mesh, or some of it, has no color", [plain, "--fields", "part,color"]),
             (3, "colored.ply: the mesh, or some of it, has no material", [self.colored(), plain, "--fields", "material"]),
             (3, "fields: the mesh has no color", [self.dir / "plain.drc", "--fields", "color"]),
-            (2, "not together with algorithm brute-force", [plain, "--fields", "part", "--algorithm", "brute-force"]),
+            (2, "--fields: not together with --algorithm brute-force", [plain, "--fields", "part", "--algorithm", "brute-force"]),
             (2, '"hue" is not one of part, material, color, distance, triangle, point, normal', [plain, "--fields", "part,hue"]),
             (2, "twice", [plain, "--fields", "part,part"]),
             (2, "o.glb cannot hold part", [plain, "--fields", "part", "-o", self.dir / "o.glb"]),

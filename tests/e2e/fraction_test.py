@@ -62,15 +62,16 @@ class Fraction(Case):
         for fields, more, status, says in (
             ("fraction", [], 2, needs),
             ("fraction:x", [], 2, needs),
-            ("fraction:1", [], 3, "fraction_n 1 is below 2"),
-            ("fraction:17", [], 3, "fraction_n 17 exceeds 16"),
+            ("fraction:1", [], 2, '--fields: "fraction:1": 1 is not a whole number from 2 to 16'),
+            ("fraction:17", [], 2, '--fields: "fraction:17": 17 is not a whole number from 2 to 16'),
             ("fraction:2,fraction:2", [], 2, '"fraction" is given twice'),
+            ("fraction:2,fraction:4", [], 2, '--fields: "fraction" is given twice'),
             ("fraction:2,label_fractions:4", [], 2, "need the same number of points, not 2 and 4"),
             ("fraction:2", ["-o", "a.vox"], 2, "--fields: a.vox cannot hold fraction"),
             ("fraction:2,part", ["-o", "a.vox"], 2, "--fields: a.vox cannot hold fraction,part"),
             ("fraction:2", ["-o", "a.binvox"], 2, "--fields: a.binvox cannot hold fraction"),
             ("fraction:2", ["--set", "solid", "--force-open"], 2,
-             "fields fraction: not together with solid.force_open true, which fills a mesh that is not closed"),
+             "--fields fraction: not together with --force-open, which fills a mesh that is not closed"),
         ):  # fmt: skip
             with self.subTest(fields=fields, more=more):
                 done = latvox("voxelize", self.brick(), *GRID, "--json", "-o", "a.csv", "--fields", fields, *more,

@@ -165,15 +165,15 @@ class LabelFractions(Case):
         holds = ".vdb .nvdb .csv .npy .npz .ply .png .html .vti .vtu .cells.vtu .h5 can"
         for more, status, says in (
             (["--fields", "label_fractions"], 2, "label_fractions needs a number of points along each axis, such as label_fractions:8"),
-            (["--fields", "label_fractions:1"], 3, "fraction_n 1 is below 2"),
-            (["--fields", "fraction:0,label_fractions:4"], 2, "need the same number of points, not 0 and 4"),
-            (["--fields", "fraction:2", "--fraction-labels", "1"], 3, "fraction_labels: needs label_fractions among fields"),
+            (["--fields", "label_fractions:1"], 2, '"label_fractions:1": 1 is not a whole number from 2 to 16'),
+            (["--fields", "fraction:3,label_fractions:4"], 2, "need the same number of points, not 3 and 4"),
+            (["--fields", "fraction:2", "--fraction-labels", "1"], 3, "--fraction-labels: needs label_fractions among --fields"),
             (["--fields", "label_fractions:2", "--fraction-labels", "1,x"], 3,
              '--fraction-labels: "x" is neither a number nor the name of a part'),
-            (["--fields", "label_fractions:2", "--fraction-labels", "1,1"], 3, "fraction_labels 1 occurs twice"),
+            (["--fields", "label_fractions:2", "--fraction-labels", "1,1"], 3, "--fraction-labels 1 occurs twice"),
             (["--fields", "label_fractions:2", "--fraction-labels", ",".join(map(str, range(33)))], 3,
-             "fraction_labels: 33 labels exceed 32"),
-            (["--fields", "label_fractions:2", "--force-open"], 2, "not together with solid.force_open true"),
+             "--fraction-labels: 33 labels exceed 32"),
+            (["--fields", "label_fractions:2", "--force-open"], 2, "not together with --force-open"),
             (["--fields", "label_fractions:2", "-o", "a.nrrd"], 2, f"a.nrrd cannot hold label_fractions,part; {holds}"),
             (["--fields", "label_fractions:2", "-o", "a.npy", "--npy", "dense"], 2, "none of links or labels; .npz holds all"),
         ):  # fmt: skip
@@ -182,7 +182,7 @@ class LabelFractions(Case):
                 self.assertEqual(done.returncode, status, done.stderr)
                 self.assertIn(says, done.stderr.replace('\\"', '"'))
         done = latvox("voxelize", self.mesh, "--json", "--set", "solid", "--fields", "label_fractions:2", "-o", "a.csv", cwd=self.dir)
-        self.assertEqual((done.returncode, "fields label_fractions: needs solid.labels" in done.stderr), (3, True), done.stderr)
+        self.assertEqual((done.returncode, "--fields label_fractions: needs --labels" in done.stderr), (3, True), done.stderr)
 
 
 if __name__ == "__main__":

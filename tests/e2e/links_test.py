@@ -114,7 +114,7 @@ class Links(Case):
             (["--set", "links", "--fields", "links", "-o", "a.vdb"], 2,
              "--fields: a.vdb cannot hold links; .csv .npy .npz .ply .vtu .cells.vtu .h5 .links.csv .links.npz can"),
             (["--set", "surface", "--side", "inside"], 2, "--side: needs --set links, not surface"),
-            (["--set", "links", "--minimal"], 2, "minimal: not together with links, which is not thinned"),
+            (["--set", "links", "--minimal"], 2, "--minimal: not together with --set links, which is not thinned"),
             (["--set", "links", "--fields", "link_triangles", "--upload", "draco", "-o", "a.csv"], 2,
              "--fields: link_triangles needs --upload raw"),
         ):  # fmt: skip

@@ -81,8 +81,8 @@ class Solids(Case):
 
     def test_options_that_exclude_each_other_are_wrong_usage(self):
         for words, says in (
-            (("--verify", "--set", "solid"), "verify: not together with solid"),
-            (("--set", "solid", "--algorithm", "incremental"), "solid: not together with algorithm incremental"),
+            (("--verify", "--set", "solid"), "--verify: not together with --set solid"),
+            (("--set", "solid", "--algorithm", "incremental"), "--set solid: not together with --algorithm incremental"),
             (("--rule", "winding"), "--set solid"),
             (("--force-open",), "--set solid"),
         ):

@@ -64,7 +64,7 @@ class Warnings(Case):
             with self.subTest(code):
                 done = latvox("voxelize", mesh, *options, "--strict", "-o", self.dir / "a.vdb", "-o", self.dir / "a.csv")
                 self.assertEqual(done.returncode, 3, done.stderr)
-                self.assertIn(f"latvox: strict: no warning is allowed, and there is {code}\n", done.stderr)
+                self.assertIn(f"latvox: --strict: no warning is allowed, and there is {code}\n", done.stderr)
                 self.assertEqual(sorted(self.dir.iterdir()), kept)
         done = latvox("voxelize", self.mesh, "--resolution", "9", "--strict", "-o", self.dir / "a.vdb")
         self.assertEqual(done.returncode, 0, done.stderr)

@@ -168,6 +168,57 @@ def test_wrong_values_name_field_value_and_limit(options, field, text, server):
 
 
 @pytest.mark.parametrize(
+    ("options", "facts"),
+    [
+        ({"resolution": 70000}, ("resolution", "70000", "2 to 65536", None)),
+        ({"resolution": 1}, ("resolution", "1", "2 to 65536", None)),
+        ({"voxel_size": -1}, ("voxel_size", "-1", "0", None)),
+        ({"lattice": "ball"}, ("lattice", "ball", "cartesian, bcc, fcc, hexagonal", None)),
+        ({"quantization": 31}, ("quantization", "31", "0 to 30", None)),
+        ({"region": (0, 0, 5, 9, 9, 5)}, ("region", "5", "5", None)),
+        ({"alpha_cutoff": 2}, ("alpha_cutoff", "2", "0 to 1", None)),
+        ({"fields": "fraction:17"}, ("fields", "17", "2 to 16", None)),
+        ({"fields": "fraction:1"}, ("fields", "1", "2 to 16", None)),
+        ({"dims": (2, 3, 3), "pad": 1}, ("dims", "2,3,3", "3", None)),
+        ({"dims": (0, 3, 3)}, ("dims", "0,3,3", "1 to 1048576", None)),
+        ({"resolution": 9, "voxel_size": 1}, ("voxel_size", None, None, "resolution")),
+        ({"retries": -1}, ("retries", "-1", "0 to 1000000", None)),
+        ({"set": "solid", "labels": "part", "priority": ["heart"]}, ("priority", "heart", None, None)),
+        ({"set": "interior", "separability": 2}, ("separability", "2", None, "set")),
+    ],
+)
+def test_errors_have_field_value_and_limit(options, facts, server):
+    vertices, triangles = octahedron()
+    with pytest.raises(latvox.InvalidArgument) as caught:
+        server.voxelize((np.array(vertices), np.array(triangles)), **options)
+    error = caught.value
+    assert (error.field, error.value, error.limit, error.other) == facts
+    assert error.reason == "BAD_SPEC"
+
+
+def test_a_missing_color_is_the_mesh_s_fault(tmp_path, server):
+    path = write_obj(tmp_path / "mesh.obj", octahedron())
+    vertices, triangles = octahedron()
+    for mesh in (path, (np.array(vertices), np.array(triangles))):
+        with pytest.raises(latvox.InvalidArgument) as caught:
+            server.voxelize(mesh, fields="color")
+        error = caught.value
+        assert (error.reason, error.field, error.value) == ("BAD_MESH", "mesh", "color")
+
+
+def test_errors_of_the_server_name_keywords(server):
+    mesh = tuple(np.array(part) for part in octahedron())
+    for options, text in (
+        ({"set": "interior", "separability": 2}, "separability 2: not together with set interior, which has no"),
+        ({"fields": "label_fractions:4"}, "fields label_fractions: needs labels"),
+        ({"set": "region", "seed": (9, 9, 9)}, "seed: the walk .*; close may close it, and allow_outside allows it"),
+        ({"set": "enclosed", "close": 1e9}, "close 1e.09: of half of it"),
+    ):
+        with pytest.raises(latvox.InvalidArgument, match=text):
+            server.voxelize(mesh, resolution=9, **options)
+
+
+@pytest.mark.parametrize(
     ("options", "text"),
     [
         ({"resolutoin": 9}, "unexpected keyword argument 'resolutoin'"),
@@ -200,7 +251,16 @@ def test_help_lists_every_option():
     assert "voxel_size: Edge of a cube" in latvox.voxelize.__doc__
 
 
-def test_help_tells_values_and_defaults_in_lines_that_fit():
+@pytest.mark.parametrize("function", [latvox.voxelize, latvox.stream, latvox.voxelize_many, latvox.Client.__init__])
+def test_help_is_about_python(function):
+    for word in ("--", "MESH", "json", "standard output", "may be repeated"):
+        assert word not in function.__doc__, word
+    assert max(map(len, function.__doc__.splitlines())) < 120
+
+
+def test_help_tells_values_and_defaults():
     text = " ".join(latvox.voxelize.__doc__.split())
     assert "lattice: Named lattice. Values: cartesian|bcc|fcc|hexagonal. Default: cartesian." in text
-    assert max(map(len, latvox.voxelize.__doc__.splitlines())) < 120
+    assert "rescale them. " in text and "; voxel_size and resolution rescale them" in text
+    assert "out: Path or URL of an output, or a list of them: .vdb " in text
+    assert latvox.KEYWORDS["set"]["standard"] == "surface, unless band is given"

@@ -71,7 +71,9 @@ latvox_add_test(named_lattices_test SOURCES unit/both_ends/named_lattices_test.c
 latvox_add_test(plane_call_test THREADED SOURCES unit/both_ends/plane_call_test.cc
                 LIBRARIES latvox::client latvox::server GTest::gmock)
 latvox_add_test(request_rules_test UNSANITIZED SOURCES unit/both_ends/request_rules_test.cc
-                LIBRARIES latvox::client latvox::server latvox_server_meshes GTest::gmock)
+                LIBRARIES latvox::client latvox::server latvox::tool latvox_server_meshes GTest::gmock)
+latvox_add_test(option_words_test SOURCES unit/both_ends/option_words_test.cc
+                LIBRARIES latvox::core latvox::tool latvox::proto GTest::gmock)
 if(TARGET request_rules_test)
   target_compile_definitions(request_rules_test PRIVATE LATVOX="$<TARGET_FILE:latvox>" LATVOXD="$<TARGET_FILE:latvoxd>")
   add_dependencies(request_rules_test latvox latvoxd)

@@ -95,6 +95,7 @@ void BatchRun::Work() {
     } catch (const std::exception& error) {
       result.error = StatusOf(error);
     }
+    if (absl::IsInvalidArgument(result.error)) result.error = parser.WithFields(result.error);
     if (!result.error.ok()) result.outcome = JobResult::Outcome::kFailed;
     result.ended_unix_ms = static_cast<uint64_t>(absl::ToUnixMillis(absl::Now()));
     End(result);

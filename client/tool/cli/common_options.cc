@@ -10,6 +10,7 @@
 #include "client/internal/trace_context.h"
 #include "client/tool/output/output.h"
 #include "client/tool/remote/remote_name.h"
+#include "latvox/error.h"
 
 namespace latvox::client {
 namespace {
@@ -29,10 +30,23 @@ const Names<UpAxis>& UpNames() {
   return *kNames;
 }
 
-std::string CheckPositive(const std::string& text) {
+absl::Status ToStatus(const UsageError& error) {
+  const absl::string_view text = error.what();
+  const auto& [option, value, limit, other] = error.details();
+  std::string field = option;
+  if (const size_t begin = text.find("--"); field.empty() && begin != absl::string_view::npos) {
+    const absl::string_view rest = text.substr(begin);
+    field = std::string(rest.substr(0, rest.find_first_not_of("-abcdefghijklmnopqrstuvwxyz")));
+  }
+  absl::Status status = absl::InvalidArgumentError(text);
+  SetErrorDetails({"BAD_SPEC", field, value, limit, std::nullopt, other}, status);
+  return status;
+}
+
+WrongWord CheckPositive(const std::string& text) {
   double number = 0;
   if (ParseNumber(text, number) && number > 0) return "";
-  return absl::StrCat("\"", text, "\" is not a finite number above 0");
+  return {absl::StrCat("\"", text, "\" is not a finite number above 0"), text, "0"};
 }
 
 std::optional<Shard> ParseShard(const std::string& text) {
@@ -43,9 +57,9 @@ std::optional<Shard> ParseShard(const std::string& text) {
   return shard;
 }
 
-std::string CheckShard(const std::string& text) {
+WrongWord CheckShard(const std::string& text) {
   if (ParseShard(text)) return "";
-  return absl::StrCat("\"", text, "\" is not I/N with 0 <= I < N <= ", kMaxShards);
+  return {absl::StrCat("\"", text, "\" is not I/N with 0 <= I < N <= ", kMaxShards), text, absl::StrCat(kMaxShards)};
 }
 
 OptionCheck Whole(int low, int high) {
@@ -68,10 +82,10 @@ OptionRow GridFileRow(std::string& path, const std::string& name, const std::str
 OptionRow OutputRow(const std::vector<std::string>& extensions, std::vector<std::string>& outputs, bool several,
                     const std::string& hint) {
   const std::string known = absl::StrJoin(extensions, " ");
-  const auto wrong = [extensions, known, hint](const std::string& path) -> std::string {
+  const auto wrong = [extensions, known, hint](const std::string& path) -> WrongWord {
     const std::string shown = WithoutQuery(path), extension = ExtensionOf(shown);
     if (std::find(extensions.begin(), extensions.end(), extension) != extensions.end()) return "";
-    return absl::StrCat("\"", shown, "\": extension \"", extension, "\" is not one of ", known, hint);
+    return {absl::StrCat("\"", shown, "\": extension \"", extension, "\" is not one of ", known, hint), shown, known};
   };
   return {.names = "-o,--out",
           .aliases = "--output",

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "absl/status/status.h"
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
@@ -61,11 +62,11 @@ std::string CheckNumbers(const std::string& text) {
   return absl::StrCat("\"", text, "\" is not ", N, kind, " with commas between them");
 }
 
-std::string CheckPositive(const std::string& text);
+WrongWord CheckPositive(const std::string& text);
 
 // Parses "I/N". Returns nothing if the text is anything else.
 std::optional<Shard> ParseShard(const std::string& text);
-std::string CheckShard(const std::string& text);
+WrongWord CheckShard(const std::string& text);
 
 // Returns the check for a whole number from low to high.
 OptionCheck Whole(int low, int high);
@@ -99,6 +100,10 @@ T ValueNamed(const Names<T>& names, const std::string& word) {
 }
 
 const Names<UpAxis>& UpNames();
+
+// Returns INVALID_ARGUMENT with the same text, and with option, value and limit as details. Without an option in the
+// details, it is the first that the text names.
+absl::Status ToStatus(const UsageError& error);
 
 // Throws UsageError with this text. Interpret calls it if words do not go together.
 template <class... Parts>

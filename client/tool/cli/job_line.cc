@@ -14,6 +14,7 @@
 #include "client/tool/cli/file_url.h"
 #include "client/tool/cli/remote_names.h"
 #include "client/tool/cli/request_rows.h"
+#include "latvox/error.h"
 
 namespace latvox::client {
 namespace {
@@ -271,8 +272,18 @@ absl::StatusOr<Job> JobParser::Parse(absl::string_view line) {
     return Job{id.is_null() ? names->front() : id.get<std::string>(), MeshText(mesh), *std::move(names),
                InterpretRequest(words_)};
   } catch (const UsageError& error) {
-    return Wrong(absl::StrReplaceAll(error.what(), names_));
+    return WithFields(ToStatus(error));
   }
+}
+
+absl::Status JobParser::WithFields(const absl::Status& error) const {
+  absl::Status translated(error.code(), absl::StrReplaceAll(error.message(), names_));
+  ErrorDetails details = GetErrorDetails(error);
+  for (std::string* const text : {&details.field, &details.limit, &details.other}) {
+    *text = absl::StrReplaceAll(*text, names_);
+  }
+  SetErrorDetails(details, translated);
+  return translated;
 }
 
 absl::Status CheckPlaces(const Job& job) try {

@@ -42,6 +42,9 @@ class JobParser {
   // CheckPlaces.
   absl::StatusOr<Job> Parse(absl::string_view line);
 
+  // Returns the error with fields of a line in place of options.
+  absl::Status WithFields(const absl::Status& error) const;
+
  private:
   const std::string folder_, directory_;
   VoxelizeWords words_;  // parser_ writes into it

@@ -38,8 +38,9 @@ absl::StatusOr<std::vector<uint32_t>> LabelsNamed(const std::vector<std::string>
       if (known[n] == word) numbers.push_back(static_cast<uint32_t>(n));
     }
     if (numbers.size() > before) continue;
-    return absl::InvalidArgumentError(
-        absl::StrCat(option, ": \"", word, "\" is neither a number nor the name of a ", NameOf(labels)));
+    return ToStatus(
+        UsageError(absl::StrCat(option, ": \"", word, "\" is neither a number nor the name of a ", NameOf(labels)),
+                   {option, word}));
   }
   return numbers;
 }

@@ -36,7 +36,7 @@ std::vector<OptionRow> MeshRows(MeshWords& words) {
        .help = "Leave out broken elements, such as faces with a corner that is not finite, and count them"},
       {.names = "--input-format",
        .target = &words.input_format,
-       .help = "Format of MESH, in place of its extension or its first bytes",
+       .help = "Format of the mesh, in place of its extension or its first bytes",
        .words = WordsOf(MeshFormats()),
        .word_help = {"Draco", "Wavefront", "Stanford polygons", "stereolithography", "glTF, binary", "glTF, JSON",
                      "3D Manufacturing Format"}},

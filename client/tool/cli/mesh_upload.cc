@@ -13,6 +13,7 @@
 #include "client/mesh_files/mesh_file.h"
 #include "client/mesh_files/mesh_source.h"
 #include "client/tool/cli/abandoned_work.h"
+#include "client/tool/cli/common_options.h"
 #include "client/tool/cli/mesh_names.h"
 
 namespace latvox::client {
@@ -41,7 +42,7 @@ double MillisecondsSince(absl::Time start) { return absl::ToDoubleMilliseconds(a
 // A Draco stream is sent as it is. Only --weld-report needs to decode it here.
 absl::StatusOr<MeshUpload> PrepareDraco(const VoxelizeOptions& options, const CallOptions& call, std::string drc) {
   if (options.upload == UploadForm::kRaw) {
-    return absl::InvalidArgumentError("--upload: a .drc file is sent as it is, not raw");
+    return ToStatus(UsageError("--upload: a .drc file is sent as it is, not raw", {"--upload", "raw"}));
   }
   MeshUpload upload{.bytes = std::move(drc)};
   if (options.quantization_bits) {
@@ -114,7 +115,7 @@ absl::StatusOr<MeshUpload> PrepareUpload(const VoxelizeOptions& options, const M
   const UploadForm form = ChooseForm(*mesh, options, has_network, bits);
   const bool colors = NeedsBaseColors(*mesh, options);
   if (colors && form == UploadForm::kDraco) {
-    return absl::InvalidArgumentError("--upload: textures and opacity need raw; Draco changes the order of triangles");
+    return ToStatus(UsageError("--upload: textures and opacity need raw; Draco changes the order of triangles"));
   }
   const absl::Time begin = absl::Now();
   const auto encode = [=, attributes = options.mesh.attributes, skip_bad = options.mesh.skip_bad,

@@ -6,6 +6,7 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "client/mesh/mesh_encoder.h"
 #include "client/tool/cli/common_options.h"
 #include "client/tool/cli/request_words.h"
@@ -18,52 +19,62 @@ namespace {
 
 using Rows = std::vector<OptionRow>;
 
-std::string CheckVoxelSize(const std::string& text) {
+WrongWord CheckVoxelSize(const std::string& text) {
   if (!absl::StrContains(text, ',')) return CheckPositive(text);
   Vec3d sizes;
   if (ParseNumbers(text, sizes) && sizes[0] > 0 && sizes[1] > 0 && sizes[2] > 0) return "";
-  return absl::StrCat("\"", text, "\" is not one or three finite numbers above 0");
+  return {absl::StrCat("\"", text, "\" is not one or three finite numbers above 0"), text, "0"};
 }
 
-std::string CheckRegion(const std::string& text) {
+WrongWord CheckRegion(const std::string& text) {
   if (auto error = CheckNumbers<int32_t, 6>(text); !error.empty()) return error;
   std::array<int32_t, 6> box;
   ParseNumbers(text, box);
   for (size_t m = 0; m < 3; ++m) {
     if (box[m] >= box[m + 3]) {
-      return absl::StrCat("\"", text, "\" is empty: ", box[m + 3], " does not exceed ", box[m], " on axis ", m);
+      return {absl::StrCat("\"", text, "\" is empty: ", box[m + 3], " does not exceed ", box[m], " on axis ", m),
+              absl::StrCat(box[m + 3]), absl::StrCat(box[m])};
     }
   }
   return "";
 }
 
-std::string CheckBounds(const std::string& text) {
+WrongWord CheckBounds(const std::string& text) {
   if (auto error = CheckNumbers<double, 6>(text); !error.empty()) return error;
   std::array<double, 6> box;
   ParseNumbers(text, box);
   for (size_t m = 0; m < 3; ++m) {
     if (box[m] > box[m + 3]) {
-      return absl::StrCat("\"", text, "\" is empty: ", box[m + 3], " is below ", box[m], " on axis ", m);
+      return {absl::StrCat("\"", text, "\" is empty: ", box[m + 3], " is below ", box[m], " on axis ", m),
+              absl::StrCat(box[m + 3]), absl::StrCat(box[m])};
     }
   }
   return "";
 }
 
-std::string CheckQuantization(const std::string& text) {
+WrongWord CheckQuantization(const std::string& text) {
   int64_t bits = 0;
   if (text == "auto" || (ParseNumber(text, bits) && bits >= 0 && bits <= kMaxQuantizationBits)) return "";
-  return absl::StrCat("\"", text, "\" is neither auto nor a whole number from 0 to ", kMaxQuantizationBits);
+  const std::string range = absl::StrCat("0 to ", kMaxQuantizationBits);
+  return {absl::StrCat("\"", text, "\" is neither auto nor a whole number from ", range), text, range};
 }
 
 OptionRow VoxelOutputRow(VoxelizeWords& words) {
   OptionRow row = OutputRow(OutputExtensions(), words.options.outputs, /*several=*/true);
-  row.help +=
-      "; - is standard output. Without it, MESH's name with .vdb in the current folder, or no file with "
-      "--json or --verify";
+  if (words.shape.is_for_memory) {
+    row.help = absl::StrCat("Path or URL of an output, or a list of them: ", absl::StrJoin(OutputExtensions(), " "));
+    row.standard = "none";
+  } else {
+    row.help +=
+        "; - is standard output. Without it, MESH's name with .vdb in the current folder, or no file with "
+        "--json or --verify";
+  }
   row.group = "Output";
   row.required = false;
   const auto wrong = row.checks.front().wrong;
-  row.checks.front().wrong = [wrong](const std::string& path) { return path == kStandardOutput ? "" : wrong(path); };
+  row.checks.front().wrong = [wrong](const std::string& path) {
+    return path == kStandardOutput ? WrongWord("") : wrong(path);
+  };
   return row;
 }
 

@@ -16,6 +16,8 @@
 namespace latvox::client {
 namespace {
 
+constexpr uint32_t kLeastPoints = 2, kMostPoints = 16;  // of fractions, along each axis of a cell
+
 const Names<Field>& FieldNames() {
   static const auto* const kNames = [] {
     auto* const names = new Names<Field>;
@@ -35,7 +37,7 @@ bool ConsumePoints(absl::string_view& word, uint32_t& points) {
   return ParseNumber(number, points);
 }
 
-std::string CheckFields(const std::string& text) {
+WrongWord CheckFields(const std::string& text) {
   std::vector<absl::string_view> seen;
   std::optional<uint32_t> before;
   for (absl::string_view word : absl::StrSplit(text, ',')) {
@@ -45,6 +47,12 @@ std::string CheckFields(const std::string& text) {
       return absl::StrCat(word, " needs a number of points along each axis, such as ", word, ":8");
     }
     const bool has_points = word.size() < length;
+    if (has_points && (points < kLeastPoints || points > kMostPoints)) {
+      const std::string range = absl::StrCat(kLeastPoints, " to ", kMostPoints);
+      return {absl::StrCat("\"", word, ":", points, "\": ", points, " is not a whole number from ", range),
+              absl::StrCat(points), range};
+    }
+    if (std::find(seen.begin(), seen.end(), word) != seen.end()) return absl::StrCat("\"", word, "\" is given twice");
     if (has_points && before && points != *before) {
       return absl::StrCat("fraction and label_fractions need the same number of points, not ", *before, " and ",
                           points);
@@ -52,9 +60,9 @@ std::string CheckFields(const std::string& text) {
     if (has_points) before = points;
     const auto has_name = [word](const auto& name) { return name.first == word; };
     if (std::none_of(FieldNames().begin(), FieldNames().end(), has_name)) {
-      return absl::StrCat("\"", word, "\" is not one of ", absl::StrJoin(WordsOf(FieldNames()), ", "));
+      const std::string known = absl::StrJoin(WordsOf(FieldNames()), ", ");
+      return {absl::StrCat("\"", word, "\" is not one of ", known), std::string(word), known};
     }
-    if (std::find(seen.begin(), seen.end(), word) != seen.end()) return absl::StrCat("\"", word, "\" is given twice");
     seen.push_back(word);
   }
   return "";
@@ -74,9 +82,9 @@ std::optional<Band> ParseBand(absl::string_view text) {
   return band;
 }
 
-std::string CheckBand(const std::string& text) {
+WrongWord CheckBand(const std::string& text) {
   if (ParseBand(text)) return "";
-  return absl::StrCat("\"", text, "\" is not a finite number above 0, with or without v for voxel sizes");
+  return {absl::StrCat("\"", text, "\" is not a finite number above 0, with or without v for voxel sizes"), text, "0"};
 }
 
 const Names<Field>& LabelNames() {
@@ -116,22 +124,6 @@ std::vector<std::string> LabelWords(const std::string& text) {
   return absl::StrSplit(text, ',');
 }
 
-// The names of sets. Those that need no further option have their value here.
-const Names<VoxelSet>& SetNames() {
-  static const auto* const kNames =
-      new Names<VoxelSet>{{"surface", Surface{}},
-                          {"supercover", Supercover{}},
-                          {"solid", Solid{}},
-                          {"supercover-solid", Solid{.surface = SolidSurface::kSupercover}},
-                          {"interior", Solid{.surface = SolidSurface::kNone}},
-                          {"band", Band{}},
-                          {"links", Links{}},
-                          {"enclosed", Enclosed{}},
-                          {"enclosed-interior", Enclosed{.surface = SolidSurface::kNone}},
-                          {"region", Connected{}}};
-  return *kNames;
-}
-
 // Without a word, the rule is that of the mesh's format. A mesh without an extension has its format only by that word.
 InteriorRule RuleOf(const VoxelizeWords& words) {
   if (!words.rule.empty()) return ValueNamed(RuleNames(), words.rule);
@@ -153,10 +145,10 @@ void CheckOrder(const VoxelizeOptions& options) {
   }
 }
 
-std::string CheckOpacity(const std::string& text) {
+WrongWord CheckOpacity(const std::string& text) {
   double number = 0;
   if (ParseNumber(text, number) && number >= 0 && number <= 1) return "";
-  return absl::StrCat("\"", text, "\" is not a number from 0 to 1");
+  return {absl::StrCat("\"", text, "\" is not a number from 0 to 1"), text, "0 to 1"};
 }
 
 // The tool needs the mesh's base colors, and images, only for these.
@@ -197,7 +189,7 @@ std::vector<OptionRow> PointRows(VoxelizeWords& words) {
                      "both ends of every link between neighbors that the mesh crosses",
                      "surface and all points that no walk from outside reaches; the mesh may be open",
                      "the same without the surface", "all points that a walk from --seed reaches"},
-       .standard = "surface; band with --band"},
+       .standard = "surface, unless --band is given"},
       {.names = "--rule",
        .target = &words.rule,
        .help = "Rule for the interior; winding and positive unite bodies that overlap",

@@ -11,11 +11,12 @@ namespace {
 
 constexpr int kMaxDim = 1 << 20, kMaxPad = 1 << 16;
 
-std::string CheckDims(const std::string& text) {
+WrongWord CheckDims(const std::string& text) {
   Vec3i dims;
   const auto is_wrong = [](int32_t n) { return n < 1 || n > kMaxDim; };
   if (ParseNumbers(text, dims) && std::none_of(dims.begin(), dims.end(), is_wrong)) return "";
-  return absl::StrCat("\"", text, "\" is not 3 whole numbers from 1 to ", kMaxDim, " with commas between them");
+  const std::string range = absl::StrCat("1 to ", kMaxDim);
+  return {absl::StrCat("\"", text, "\" is not 3 whole numbers from ", range, " with commas between them"), text, range};
 }
 
 }  // namespace
@@ -32,7 +33,7 @@ std::vector<OptionRow> ShapeRows(ShapeWords& words) {
        .target = &words.dims,
        .help = absl::StrCat("Shape of dense arrays: this many points along i, j and k, with the voxels in the middle; "
                             "for ",
-                            absl::StrJoin(ShapedExtensions(), " ")),
+                            words.is_for_memory ? "dense() and " : "", absl::StrJoin(ShapedExtensions(), " ")),
        .value = "NI,NJ,NK",
        .checks = {{CheckDims}},
        .standard = "the voxels' box"},

@@ -10,9 +10,11 @@
 #include "absl/time/clock.h"
 #include "client/mesh_files/mesh_source.h"
 #include "client/tool/cli/abandoned_work.h"
+#include "client/tool/cli/common_options.h"
 #include "client/tool/cli/dims_resolution.h"
 #include "client/tool/cli/mesh_names.h"
 #include "client/tool/cli/mesh_upload.h"
+#include "client/tool/cli/option_words.h"
 #include "client/tool/cli/progress_bar.h"
 #include "client/tool/cli/remote_files.h"
 #include "client/tool/cli/warnings.h"
@@ -77,7 +79,7 @@ absl::Status ReplaceNames(const VoxelizeOptions& options, const CarriedNames& na
   if (solid == nullptr || !solid->labels) {
     return options.fraction_labels.empty()
                ? absl::OkStatus()
-               : absl::InvalidArgumentError("--fraction-labels: names need --labels part or material");
+               : ToStatus(UsageError("--fraction-labels: names need --labels part or material"));
   }
   if (auto status = replace("--priority", options.priority, solid->priority); !status.ok()) return status;
   return replace("--fraction-labels", options.fraction_labels, request.fraction_labels);
@@ -117,7 +119,7 @@ absl::Status Call(const Client& client, const VoxelizeOptions& options, const Me
   request.raw_mesh = upload.raw;
   if (absl::Status status = ReplaceNames(options, upload.names, request); !status.ok()) return status;
   auto summary = client.Voxelize(request, upload.bytes, handlers, call);
-  if (!summary.ok()) return WithMesh(summary.status(), options.mesh);
+  if (!summary.ok()) return WithMesh(WithOptions(summary.status(), options.request), options.mesh);
   report.summary = *std::move(summary);
   report.index_box = box.box();
   if (!colors) return absl::OkStatus();

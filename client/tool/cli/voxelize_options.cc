@@ -68,7 +68,9 @@ uint32_t InterpretSeparability(const VoxelizeWords& words, const std::variant<Na
   if (!words.separability.empty()) ParseNumber(words.separability, given);
   if (given <= 2) return given;
   if (!words.options.align.empty() || lattice != std::variant<NamedLattice, Basis>(NamedLattice::kCartesian)) {
-    Refuse("--separability: ", given, " requires --lattice cartesian; other lattices allow 0, 1 or 2");
+    throw UsageError(
+        absl::StrCat("--separability: ", given, " requires --lattice cartesian; other lattices allow 0, 1 or 2"),
+        {"--separability", absl::StrCat(given), "0, 1 or 2"});
   }
   return given == 26 ? 0 : given == 18 ? 1 : 2;
 }
@@ -107,7 +109,9 @@ uint32_t DefaultResolution(const BoxShape& shape) {
   if (!shape.dims) return kDefaultResolution;
   const int64_t least = *std::min_element(shape.dims->begin(), shape.dims->end()) - 2 * int64_t{shape.pad};
   if (least < 1) {
-    Refuse("--dims: ", absl::StrJoin(*shape.dims, ","), " with --pad ", shape.pad, " leaves no voxel along a side");
+    const std::string dims = absl::StrJoin(*shape.dims, ",");
+    throw UsageError(absl::StrCat("--dims: ", dims, " with --pad ", shape.pad, " leaves no voxel along a side"),
+                     {"--dims", dims, absl::StrCat(2 * int64_t{shape.pad} + 1)});
   }
   const int64_t most = *std::max_element(shape.dims->begin(), shape.dims->end());
   return static_cast<uint32_t>(std::clamp<int64_t>(2 * most, kMinResolution, kMaxResolution));

@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "client/tool/cli/common_options.h"
 
 namespace latvox::client {
 namespace {
@@ -23,8 +24,9 @@ absl::Status Warn(const std::vector<Warning>& warnings, bool strict,
     if (!IsNote(warning)) codes.push_back(warning.code);
   }
   if (!strict || codes.empty()) return absl::OkStatus();
-  return absl::InvalidArgumentError(
-      absl::StrCat("strict: no warning is allowed, and there is ", absl::StrJoin(codes, ", ")));
+  const std::string given = absl::StrJoin(codes, ", ");
+  return ToStatus(
+      UsageError(absl::StrCat("--strict: no warning is allowed, and there is ", given), {"--strict", given}));
 }
 
 std::optional<Warning> WarningOfSize(const Accepted& accepted, const VoxelizeRequest& request) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "absl/strings/str_cat.h"
+#include "latvox/error.h"
 #include "latvox/for_each_voxel.h"
 
 namespace latvox::client {
@@ -16,9 +17,11 @@ absl::StatusOr<IndexBox> ShapedBox(const IndexBox& box, const BoxShape& shape, c
     if (!shape.dims) continue;
     const int32_t wanted = (*shape.dims)[m], side = shaped.max[m] - shaped.min[m];
     if (side > wanted) {
-      return absl::InvalidArgumentError(absl::StrCat(target, ": --dims: ", wanted, " along ", std::string(1, "ijk"[m]),
-                                                     " is less than the ", side, " points that the voxels take",
-                                                     pad > 0 ? " with their padding" : "", "; ask for coarser voxels"));
+      absl::Status status = absl::InvalidArgumentError(absl::StrCat(
+          target, ": --dims: ", wanted, " along ", std::string(1, "ijk"[m]), " is less than the ", side,
+          " points that the voxels take", pad > 0 ? " with their padding" : "", "; ask for coarser voxels"));
+      SetErrorDetails({"BAD_SPEC", "--dims", absl::StrCat(wanted), absl::StrCat(side), std::nullopt}, status);
+      return status;
     }
     shaped.min[m] -= (wanted - side) / 2;
     shaped.max[m] = shaped.min[m] + wanted;

@@ -12,6 +12,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "client/tool/cli/option_words.h"
 #include "core/base/status_payload.h"
 #include "core/request/request.h"
 #include "core/request/rules.h"
@@ -318,7 +319,9 @@ TEST_F(RequestRules, AreTheSameForServerSdkAndTool) {
       } else {
         ++refused;
         EXPECT_EQ(status, 2) << line;
-        EXPECT_THAT(line, HasSubstr(expected.message));
+        const absl::Status told = client::WithOptions(absl::InvalidArgumentError(expected.message), request);
+        EXPECT_THAT(line, HasSubstr(std::string(told.message())));
+        EXPECT_THAT(line, HasSubstr("not together with --"));
       }
     }
   }

@@ -100,9 +100,9 @@ TEST_F(Workers, WhatIsIncompleteOrOutOfRangeIsRefused) {
   EXPECT_THAT(Refusal({{"JOB_COMPLETION_INDEX", "0"}, {"LATVOX_WORKER_COUNT", "1048577"}}),
               HasSubstr("exceeds 1048576"));
   for (const char* text : {"", "1", "1/1", "-1/2", "0/0", "1/2/3", "a/2", "0/4294967296"}) {
-    EXPECT_THAT(CheckShard(text), HasSubstr("is not I/N with 0 <= I < N <= 1048576")) << text;
+    EXPECT_THAT(CheckShard(text).text, HasSubstr("is not I/N with 0 <= I < N <= 1048576")) << text;
   }
-  EXPECT_EQ(CheckShard("0/1"), "");
+  EXPECT_EQ(CheckShard("0/1").text, "");
 }
 
 TEST_F(Workers, JobsAtOnceDependOnWhoseServerItIs) {

@@ -10,6 +10,7 @@
 #include "client/tool/cli/request_rows.h"
 #include "client/tool/cli/worker.h"
 #include "deploy/manual/command_parser.h"
+#include "latvox/error.h"
 #include "tests/unit/client/files.h"
 
 namespace latvox::client {
@@ -140,6 +141,7 @@ TEST(JobLine, RefusalsNameFieldValueAndLimit) {
   const std::vector<std::pair<std::string, std::string>> cases = {
       {R"("resolution": 70000)", "resolution: \"70000\" is not a whole number from 2 to 65536"},
       {R"("resolution": 8.5)", "resolution: \"8.5\" is not a whole number"},
+      {R"("fields": "fraction:17")", "fields: \"fraction:17\": 17 is not a whole number from 2 to 16"},
       {R"("resolution": "8")", "resolution: \"8\" is not a number"},
       {R"("resolution": 8, "voxel_size": 1)", "voxel_size excludes resolution"},
       {R"("resolution": 8, "resolution": 9)", "resolution: is given twice"},
@@ -183,6 +185,15 @@ TEST(JobLine, RefusalsNameFieldValueAndLimit) {
   EXPECT_THAT(Refusal(R"({"mesh": "m.obj", "resolution": 8} x)"), StartsWith("not JSON: column 36: "));
   EXPECT_THAT(Refusal(std::string(100000, '[') + std::string(100000, ']')), StartsWith("arrays and objects"));
   EXPECT_LT(Refusal("[\"" + std::string(100000, 'x') + "\"]").size(), 200u);
+}
+
+TEST(JobLine, ErrorsOfTheJobNameFieldsInPlaceOfOptions) {
+  absl::Status error = absl::InvalidArgumentError("--separability 2: not together with --set interior, at --server");
+  SetErrorDetails({"BAD_SPEC", "--separability", "2", "", std::nullopt, "--set"}, error);
+  const absl::Status told = JobParser("", "").WithFields(error);
+  EXPECT_EQ(told.message(), "separability 2: not together with set interior, at --server");
+  EXPECT_EQ(GetErrorDetails(told).field, "separability");
+  EXPECT_EQ(GetErrorDetails(told).other, "set");
 }
 
 TEST(FileUrl, PathsAndUrlsLeadToTheSameFile) {
