@@ -139,8 +139,8 @@ class Failures(Case):
         with harness.server(self.dir) as server:
             remote = ["--server", server.address]
             for name, options, code, says in (
-                ("fine", ["--voxel-size", "1e-9"], REFUSED, r"voxel_size: at 1e-09 the mesh extends over \d+ voxels .* limit is 131072"),
-                ("basis", ["--basis", "1e-8,0,0,0,1e-8,0,0,0,1e-8"], REFUSED, r"voxel_size: at 1e-08 .* limit is 131072"),
+                ("fine", ["--voxel-size", "1e-9"], REFUSED, r"--voxel-size: at 1e-09 the mesh extends over \d+ voxels .* limit is 131072"),
+                ("basis", ["--basis", "1e-8,0,0,0,1e-8,0,0,0,1e-8"], REFUSED, r"--voxel-size: at 1e-08 .* limit is 131072"),
                 ("far", [*GOOD, "--origin", "0,1e12,0"], BAD_INPUT, r"origin: it puts the mesh at .* axis j, the limit is 536870912"),
             ):
                 self.bad(name, self.mesh, *options, *remote, code=code, says=says, out=self.dir / "out.csv")
@@ -149,7 +149,7 @@ class Failures(Case):
         tiny = write_obj(self.dir / "tiny.obj", octahedron(radius=0.05))
         options = ["--lattice", "bcc", "--resolution", "65536", "--separability", "0"]  # minutes of work
         started = time.monotonic()
-        self.bad("tiny voxels", tiny, *options, code=BAD_INPUT, says="out.vdb: voxel_size 1.5.*e-06 is below 1.44225e-05")
+        self.bad("tiny voxels", tiny, *options, code=BAD_INPUT, says="out.vdb: --voxel-size 1.5.*e-06 is below 1.44225e-05")
         self.assertLess(time.monotonic() - started, 20)
         done = latvox("voxelize", tiny, "-o", self.dir / "tiny.csv", "--lattice", "bcc", "--voxel-size", "0.001")
         self.assertEqual(done.returncode, OK, done.stderr)
