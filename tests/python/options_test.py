@@ -211,7 +211,7 @@ def test_errors_of_the_server_name_keywords(server):
     for options, text in (
         ({"set": "interior", "separability": 2}, "separability 2: not together with set interior, which has no"),
         ({"fields": "label_fractions:4"}, "fields label_fractions: needs labels"),
-        ({"set": "region", "seed": (9, 9, 9)}, "seed: the walk .*; close may close it, and allow_outside allows it"),
+        ({"set": "region", "seed": (9, 9, 9)}, "seed: the nearest lattice point, .*, lies outside of the mesh's box; allow_outside allows it"),
         ({"set": "enclosed", "close": 1e9}, "close 1e.09: of half of it"),
     ):
         with pytest.raises(latvox.InvalidArgument, match=text):
