@@ -182,7 +182,8 @@ void FieldScan::FindBrick(const FieldContext& context, const Brick& brick, const
       if (has_inside_) nearest.is_inside = (inside_.view()[row] >> at[2] & 1) != 0;
       const uint32_t label = is_labeled ? tile.labels.Find(row, static_cast<uint32_t>(at[2]))->label : kNoLabel;
       if (square != nullptr) nearest.square = *square++;
-      if (context.plan.is_searched && !RepeatsNumbers(context, nearest)) {
+      const bool is_known = context.plan.is_label_alone && label != kNoLabel;
+      if (context.plan.is_searched && !is_known && !RepeatsNumbers(context, nearest)) {
         FindCandidates(context, nearest.point, square != nullptr ? nearest.square : context.plan.most_square);
         if (context.stop.Stopped()) return;
         nearest.square = least_;

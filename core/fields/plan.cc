@@ -52,8 +52,8 @@ double FarthestVoxel(const VoxelRequest& request, const Lattice& lattice, bool i
 }
 
 // Returns how far a vector of that length reaches along each axis of lattice coordinates, in units. The rows of root^-1
-// are the columns of cofactor over the determinant. On flat lattices that may be many tiles, each of which would list
-// most of the mesh: nullopt if it is more than a brick.
+// are the columns of cofactor over the determinant. Returns nullopt if that is more than a brick's side: on a flat
+// lattice, many tiles would each list most of the mesh.
 std::optional<Vec3i> ReachOf(const Metric& metric, double length) {
   Vec3i reach;
   for (size_t m = 0; m < 3; ++m) {

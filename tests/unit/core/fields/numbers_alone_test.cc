@@ -37,6 +37,15 @@ TriangleMesh Spheres() {
   return mesh;
 }
 
+// Gives each sphere a part of its own.
+void LabelSpheres(TriangleMesh& mesh) {
+  for (uint32_t sphere = 0; sphere < kRings.size(); ++sphere) {
+    const auto quads = static_cast<size_t>(2 * kRings[sphere] * kRings[sphere]);
+    mesh.attributes.insert(mesh.attributes.end(), 4 * quads, (sphere + 1) % 3);
+  }
+  ASSERT_EQ(mesh.attributes.size(), mesh.vertices.size());
+}
+
 struct Numbering {
   std::string name;
   uint32_t fields;
@@ -94,11 +103,7 @@ TEST(NumbersAlone, AreThoseOfTheNearestTriangle) {
 
 TEST(NumbersAlone, OfLabeledSolidsAreThoseOfTheNearestTriangle) {
   TriangleMesh mesh = Spheres();
-  for (uint32_t sphere = 0; sphere < kRings.size(); ++sphere) {
-    const auto quads = static_cast<size_t>(2 * kRings[sphere] * kRings[sphere]);
-    mesh.attributes.insert(mesh.attributes.end(), 4 * quads, (sphere + 1) % 3);
-  }
-  ASSERT_EQ(mesh.attributes.size(), mesh.vertices.size());
+  LabelSpheres(mesh);
   for (const Lattice& lattice : Lattices()) {
     const Grid grid = Unscaled(lattice);
     const VoxelizeOptions options{.set = Solid{.labels = Field::kPart}, .fields = {Field::kPart}};
@@ -123,6 +128,17 @@ TEST(NumbersAlone, OnFlatLattices) {
       EXPECT_EQ(alone, BesideTriangles(mesh, Unscaled(lattice), options)) << height << ' ' << numbering.name;
     }
   }
+}
+
+// A point inside of a label needs no search, and may be far from the mesh.
+TEST(NumbersAlone, OfLabeledSolidsOnFlatLattices) {
+  TriangleMesh mesh = Spheres();
+  LabelSpheres(mesh);
+  const Grid grid = Unscaled(*Lattice::FromBasis({Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 0.05}}));
+  const VoxelizeOptions options{.set = Solid{.labels = Field::kPart}, .fields = {Field::kPart}};
+  const Carried alone = FieldsByVoxel(Voxelize(mesh, grid, options).tiles, options.fields);
+  EXPECT_GT(alone.size(), 1000U);
+  EXPECT_EQ(alone, BesideTriangles(mesh, grid, options));
 }
 
 // Triangles that a tile's surface does not need may be the nearest to its voxels.
