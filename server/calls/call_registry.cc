@@ -80,7 +80,7 @@ void CallRegistry::AwaitTurn(const LiveCall* call) {
     Move(entry, entry.state == kReceiving ? kWaiting : kReturning);
     entry.ticket = ++tickets_;
   }
-  GiveTurns();
+  GiveTurns(call);
   StopWaitingIfClosed();
 }
 
@@ -111,7 +111,7 @@ std::shared_ptr<LiveCall> CallRegistry::NextTurnLocked() {
   return next->call;
 }
 
-void CallRegistry::GiveTurns() {
+void CallRegistry::GiveTurns(const LiveCall* asking) {
   for (;;) {
     std::shared_ptr<LiveCall> call;
     {
@@ -119,7 +119,7 @@ void CallRegistry::GiveTurns() {
       call = NextTurnLocked();
     }
     if (!call) return;
-    call->Work();
+    call->Work(call.get() == asking);
   }
 }
 

@@ -38,7 +38,7 @@ absl::Status PutMeshReactor::ReceivePiece(std::string&& piece) {
   return memory_.Grow(bytes_in_);
 }
 
-void PutMeshReactor::Work() {
+void PutMeshReactor::Work(bool /*here*/) {
   if (!BeginTask(ready())) return;
   WorkQueue& queue = upload_->size() > kLargeMeshBytes ? *Bulk() : environment_.quick;
   queue.Enqueue([self = ShareOf(*this), &queue] {

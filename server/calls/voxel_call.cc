@@ -1,10 +1,25 @@
 #include "server/calls/voxel_call.h"
 
+#include <oneapi/tbb/task_arena.h>
+
 #include <utility>
 
 #include "server/base/milliseconds.h"
 
 namespace latvox {
+namespace {
+
+// Its digest takes a tenth of a millisecond.
+constexpr uint64_t kTinyMeshBytes = uint64_t{64} << 10;
+
+// Runs act() so that its parallel algorithms wake no other thread.
+template <class F>
+void RunAlone(F act) {
+  thread_local oneapi::tbb::task_arena alone(1, 1);
+  alone.execute(std::move(act));
+}
+
+}  // namespace
 
 absl::Status VoxelCall::TakeSpec(const v1::VoxelizeSpec& proto) {
   absl::StatusOr<JobSpec> spec = JobSpecFromProto(proto, environment_.limits);
@@ -37,7 +52,7 @@ absl::Status VoxelCall::CheckUpload() const {
   return may_be_kept_ && upload_->size() == 0 ? absl::OkStatus() : upload_->CheckComplete();
 }
 
-void VoxelCall::Work() {
+void VoxelCall::Work(bool here) {
   {
     const std::lock_guard lock(mu_);
     if (ended_) return;
@@ -45,6 +60,8 @@ void VoxelCall::Work() {
     working_ = true;
   }
   if (!upload_) return Enqueue();
+  here_ = here && upload_->size() <= kTinyMeshBytes;
+  if (here_) return RunAlone([this] { HandleMesh(environment_.quick); });
   WorkQueue& digesting = upload_->size() > kLargeMeshBytes ? *Bulk() : environment_.quick;
   digesting.Enqueue([self = ShareOf(*this), &digesting] { self->HandleMesh(digesting); });
 }
@@ -59,6 +76,8 @@ void VoxelCall::HandleMesh(const WorkQueue& digesting) {
     decoding_ = decode = !ended_;
   }
   if (!decode) return ProceedFrom(digesting);
+  if (const auto decoded = computation_->DecodeAtOnce()) return OnDecoded(*decoded);
+  here_ = false;
   computation_->Decode([self = ShareOf(*this)](const absl::Status& decoded) { self->OnDecoded(decoded); });
 }
 
@@ -73,14 +92,27 @@ void VoxelCall::OnDecoded(const absl::Status& status) {
   goes_on ? Enqueue() : Proceed();
 }
 
+WorkQueue& VoxelCall::QueueOfJob() { return computation_->IsLarge() ? *Bulk() : environment_.quick; }
+
 void VoxelCall::Enqueue() {
-  WorkQueue& queue = computation_->IsLarge() ? *Bulk() : environment_.quick;
+  WorkQueue& queue = QueueOfJob();
+  if (here_ && computation_->IsTiny()) return Compute(queue);
+  here_ = false;
   queue.Enqueue([self = ShareOf(*this), &queue] { self->Compute(queue); });
 }
 
+// Whether the next step follows at once on this thread.
+bool VoxelCall::GoesOn(const WorkQueue& queue) {
+  if (here_) return computation_->IsTiny();
+  return &QueueOfJob() == &queue && !queue.contended();
+}
+
 void VoxelCall::Compute(const WorkQueue& queue) {
-  const absl::StatusOr<bool> done = ComputeSome(queue);
-  if (done.ok() && !*done && HasCredit()) return Enqueue();
+  absl::StatusOr<bool> done = ComputeSome(queue);
+  while (done.ok() && !*done && HasCredit()) {
+    if (!GoesOn(queue)) return Enqueue();
+    done = ComputeSome(queue);
+  }
   environment_.registry.Pause(this);  // before NextStep may ask for another turn
   {
     const std::lock_guard lock(mu_);

@@ -27,7 +27,8 @@ namespace latvox {
 //   waiting    for another turn                                               as before; then computing goes on
 //   ended      a status is decided; Finish follows once no decode, task or write is under way
 //
-// Callbacks neither compute nor wait. One write at most is under way. A decode holds a share of the object, as a task
+// Callbacks do not wait. They compute only jobs of some tenths of a millisecond, whose way to other threads and back
+// would cost more than the work. One write at most is under way. A decode holds a share of the object, as a task
 // does.
 class VoxelCall : public MeshCall {
  public:
@@ -35,7 +36,7 @@ class VoxelCall : public MeshCall {
   // client.
   static constexpr size_t kCredit = size_t{4} << 20;
 
-  void Work() override;
+  void Work(bool here) override;
   void Oversee() override;
   void EndIfStalled(absl::Duration patience) override;
 
@@ -72,6 +73,8 @@ class VoxelCall : public MeshCall {
     bool pause = false, await_turn = false;
   };
 
+  WorkQueue& QueueOfJob();
+  bool GoesOn(const WorkQueue& queue);
   void HandleMesh(const WorkQueue& digesting);
   void OnDecoded(const absl::Status& status);
   void Enqueue();
@@ -87,6 +90,7 @@ class VoxelCall : public MeshCall {
   std::optional<RawMeshCheck> raw_mesh_;  // of the pieces, if they are plain arrays
   bool may_be_kept_ = false;              // a mesh that may be stored: it need not be sent
   v1::VoxelizeResponse writing_message_;  // the write under way; no thread touches it meanwhile
+  bool here_ = false;                     // the steps so far were those of Work's caller; of the tasks
 
   // All below is guarded by mu_. computation_ is set once, and has its own rules for threads.
   std::unique_ptr<Computation> computation_;

@@ -25,9 +25,8 @@ constexpr auto kSlice = std::chrono::milliseconds(20);
 
 constexpr double kLongMilliseconds = 50;
 
-bool LastsLong(const VoxelRequest& request, uint64_t triangles, double visits) {
-  return EstimateMilliseconds(request, triangles, visits) > kLongMilliseconds;
-}
+// Estimates are several times as long as jobs take.
+constexpr double kTinyMilliseconds = 0.5;
 
 absl::Status BadResumePoint(const Vec3i& tile_ijk) {
   const std::string tile = absl::StrJoin(tile_ijk, ",");
@@ -117,12 +116,17 @@ absl::Status Computation::ReadRaw(const RawMeshLayout& layout) {
   });
 }
 
-void Computation::Decode(std::function<void(const absl::Status&)> decoded) {
+bool Computation::IsTiny() const { return !large_ && !spec_.request.verify && facts_.estimated_ms < kTinyMilliseconds; }
+
+std::optional<absl::Status> Computation::DecodeAtOnce() {
   if (spec_.raw_mesh) {
     decode_began_ = Clock::now();
-    return decoded(ReadRaw(*spec_.raw_mesh));
+    return ReadRaw(*spec_.raw_mesh);
   }
-  if (FindDecoded()) return decoded(ReserveForJob(kept_->mesh));
+  return FindDecoded() ? std::optional(ReserveForJob(kept_->mesh)) : std::nullopt;
+}
+
+void Computation::Decode(std::function<void(const absl::Status&)> decoded) {
   decode_began_ = Clock::now();
   const std::lock_guard lock(decoding_mu_);
   decoding_ = environment_.decoder.Start(
@@ -170,7 +174,8 @@ absl::Status Computation::ReserveForJob(const TriangleMesh& mesh) {
   if (absl::Status status = CheckCancelled(); !status.ok()) return status;
   const uint64_t triangles = mesh.triangles.size();
   const uint64_t vertices = mesh.vertices.size() + AsFloats(mesh.double_vertices.size());
-  large_ = LastsLong(spec_.request, triangles, 0);
+  facts_.estimated_ms = EstimateMilliseconds(spec_.request, triangles, 0);
+  large_ = facts_.estimated_ms > kLongMilliseconds;
   return memory_.ReserveMesh(triangles, vertices);
 }
 
@@ -198,7 +203,8 @@ JobEstimate Computation::EstimateJob(const TriangleMesh& mesh, double voxels) co
 // Verification counts without tiles, and takes some twenty times as long as the scan.
 bool Computation::VerifiesLong() const {
   constexpr double kTimes = 20;
-  return spec_.request.verify && LastsLong(spec_.request, facts_.triangles, kTimes * visits_);
+  return spec_.request.verify &&
+         EstimateMilliseconds(spec_.request, facts_.triangles, kTimes * visits_) > kLongMilliseconds;
 }
 
 absl::Status Computation::CheckVisits(absl::string_view what, double visits) const {
@@ -229,8 +235,8 @@ absl::Status Computation::Measure() {
     estimate_ =
         EstimateJob(decoded.mesh, EstimateVoxels(decoded.mesh, decoded.extent, *grid_, request, stop_.Signal()));
     visits_ = EstimateVisits(decoded.mesh, decoded.extent, *grid_, request, stop_.Signal());
-    large_ = LastsLong(request, facts_.triangles, visits_);
     facts_.estimated_ms = EstimateMilliseconds(request, facts_.triangles, visits_);
+    large_ = facts_.estimated_ms > kLongMilliseconds;
     return CheckCancelled();
   });
 }

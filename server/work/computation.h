@@ -53,14 +53,20 @@ class Computation {
   // stored mesh. Call it once. Errors: INVALID_ARGUMENT; NOT_FOUND if no such mesh is stored.
   absl::Status ReceiveMesh(MeshUpload upload);
 
-  // Starts to decode the mesh, unless the decoded mesh is stored, and returns at once. Calls `decoded` exactly once,
-  // like MeshDecoder::Done, or before this returns; the computation must live until then. Call it once. Errors: as
-  // MeshDecoder::Done.
+  // Decodes plain arrays, or finds the stored mesh. Nullopt: the mesh needs Decode. Errors: as MeshDecoder::Done.
+  std::optional<absl::Status> DecodeAtOnce();
+
+  // Starts to decode the mesh, and returns at once. Calls `decoded` exactly once, like MeshDecoder::Done; the
+  // computation must live until then. Call it once, after DecodeAtOnce. Errors: as MeshDecoder::Done.
   void Decode(std::function<void(const absl::Status&)> decoded);
 
   // Whether the next steps will take long: by the estimate, or because the earlier ones did. Call it after a successful
   // decode.
   bool IsLarge() const { return large_; }
+
+  // Whether the whole job takes some tenths of a millisecond, by the estimate so far. Call it after a successful
+  // decode.
+  bool IsTiny() const;
 
   // Finds the grid, and estimates the job. Call it once, after a successful decode. Errors: as the contract; CANCELLED
   // after Cancel.

@@ -21,11 +21,14 @@ using ::testing::HasSubstr;
 class FakeCall : public LiveCall {
  public:
   void Stop(const absl::Status& status) override { stopped = status; }
-  void Work() override { ++turns; }
+  void Work(bool here) override {
+    ++turns;
+    here_turns += here ? 1 : 0;
+  }
   void Oversee() override { ++looks; }
   void EndIfStalled(absl::Duration patience) override { patience_asked = patience; }
   absl::Status stopped;
-  int turns = 0, looks = 0;
+  int turns = 0, here_turns = 0, looks = 0;
   absl::Duration patience_asked;
 };
 
@@ -55,6 +58,14 @@ TEST(CallRegistry, AdmitsUpToItsLimitAndAgainOnceAPlaceIsVacated) {
   registry.Remove(a.get());
   EXPECT_TRUE(registry.WaitUntilEmpty(absl::ZeroDuration()));
   EXPECT_EQ(registry.working() + registry.queued(), 0);
+}
+
+TEST(CallRegistry, TellsACallThatAsksWhetherItHasItsTurnAtOnce) {
+  CallRegistry registry({1, 2, 9});
+  const auto first = EnterAndWait(registry, "x"), second = EnterAndWait(registry, "y");
+  EXPECT_TRUE(first->turns == 1 && first->here_turns == 1);
+  registry.Vacate(first.get());
+  EXPECT_TRUE(second->turns == 1 && second->here_turns == 0);
 }
 
 TEST(CallRegistry, OverseesCallsAtWorkAlone) {

@@ -134,6 +134,7 @@ absl::Status Decode(Computation& computation, std::string bytes) {
   MeshUpload upload(0, 1 << 30);
   EXPECT_TRUE(upload.Append(std::move(bytes)).ok());
   if (absl::Status status = computation.ReceiveMesh(std::move(upload)); !status.ok()) return status;
+  if (const auto at_once = computation.DecodeAtOnce()) return *at_once;
   std::promise<absl::Status> decoded;
   computation.Decode([&](const absl::Status& status) { decoded.set_value(status); });
   return decoded.get_future().get();
