@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/supercover/box_cells.h"
+#include "core/supercover/near_cells.h"
 
 namespace latvox {
 namespace {
@@ -54,24 +55,41 @@ HWY_INLINE void CoverScan::AddSmall(uint32_t t, const IndexBox& cells, const Tri
 
 void CoverScan::Add(const TileContext& context, std::span<const uint32_t> triangles, CandidateParts& candidates,
                     PairMemory& memory, BlockVoxels& voxels) {
+  covered_ = {};
+  if (!context.supercover->scan_frames().empty()) {
+    AddBoxes(context, triangles, candidates, memory, voxels);
+  } else if (context.supercover->near_cells() != nullptr) {
+    AddNearCells(context, triangles, memory, voxels);
+  } else {
+    for (const uint32_t t : triangles) {
+      if (context.stop.Stopped()) break;
+      AddRows(context, context.mesh.TriangleAt(t), voxels);
+    }
+  }
+  voxels.MarkPlanesDirty(covered_);
+}
+
+void CoverScan::AddBoxes(const TileContext& context, std::span<const uint32_t> triangles, CandidateParts& candidates,
+                         PairMemory& memory, BlockVoxels& voxels) {
   const std::vector<ScanFrame>& frames = context.supercover->scan_frames();
   const BlockBox& where = voxels.where();
-  covered_ = {};
+  const auto keep_in_box = [&](std::vector<VoxelTriangle>& pairs) {
+    KeepMeeting(context.mesh, where.layout, false, pairs);
+  };
+  const auto keep_of_rim = [&](std::vector<VoxelTriangle>& pairs) {
+    KeepMeeting(context.mesh, where.layout, true, pairs);
+  };
   scanned_.clear();
   open_.clear();
   constexpr size_t kMostOpen = size_t{1} << 16;
   for (const uint32_t t : triangles) {
     if (context.stop.Stopped()) break;
     const Triangle triangle = context.mesh.TriangleAt(t);
-    if (frames.empty()) {
-      AddRows(context, triangle, voxels);
-      continue;
-    }
     const IndexBox cells = BoxOfCells(triangle);
     if (IsEmpty(Intersection(cells, where.box))) continue;
     if (IsSmall(cells.max - cells.min)) {
       AddSmall(t, cells, triangle, voxels);
-      if (open_.size() > kMostOpen) AddMeeting(context, std::exchange(open_, {}), false, voxels);
+      if (open_.size() > kMostOpen) AddMeeting(context, std::exchange(open_, {}), keep_in_box, voxels);
     } else if (ScanFindsCover(triangle)) {
       scanned_.push_back(t);
     } else {
@@ -84,11 +102,36 @@ void CoverScan::Add(const TileContext& context, std::span<const uint32_t> triang
       voxels.Add(some.nearer.view());
       voxels.bits().Find(some.rim.view(), false, memory.positions);
       FindPairs(some, some.rim, memory.positions, &Candidates::Run::rim_end, memory.pairs);
-      AddMeeting(context, memory.pairs, true, voxels);
+      AddMeeting(context, memory.pairs, keep_of_rim, voxels);
     });
   }
-  AddMeeting(context, open_, false, voxels);
-  voxels.MarkPlanesDirty(covered_);
+  AddMeeting(context, open_, keep_in_box, voxels);
+}
+
+void CoverScan::AddNearCells(const TileContext& context, std::span<const uint32_t> triangles, PairMemory& memory,
+                             BlockVoxels& voxels) {
+  constexpr size_t kEnough = size_t{1} << 18;
+  const NearCells& cells = *context.supercover->near_cells();
+  const BlockBox& where = voxels.where();
+  const auto keep = [&](std::vector<VoxelTriangle>& pairs) { cells.KeepMeeting(context.mesh, where.layout, pairs); };
+  const auto add = [&](const NumberList& list, uint32_t Candidates::Run::*end) {
+    voxels.bits().Find(list.view(), false, memory.positions);
+    FindPairs(lines_, list, memory.positions, end, memory.pairs);
+    AddMeeting(context, memory.pairs, keep, voxels);
+  };
+  left_.clear();
+  for (size_t done = 0; done < triangles.size() && !context.stop.Stopped();) {
+    lines_.Clear();
+    done += FindCoverCandidates(context.mesh, triangles.subspan(done), cells.frames(), cells.segments(),
+                                cells.most_extent(), where.box, where.layout, context.stop, kEnough, lines_, left_);
+    voxels.Add(lines_.nearer.view());
+    add(lines_.rim, &Candidates::Run::rim_end);
+    add(lines_.farther, &Candidates::Run::crossed_end);
+  }
+  for (const uint32_t t : left_) {
+    if (context.stop.Stopped()) break;
+    AddRows(context, context.mesh.TriangleAt(t), voxels);
+  }
 }
 
 void CoverScan::AddRows(const TileContext& context, const Triangle& triangle, BlockVoxels& voxels) {
@@ -101,7 +144,8 @@ void CoverScan::AddRows(const TileContext& context, const Triangle& triangle, Bl
 }
 
 // Adds each voxel whose cell meets the triangle of its pair. Later batches skip voxels that earlier ones have found.
-void CoverScan::AddMeeting(const TileContext& context, std::span<const VoxelTriangle> pairs, bool is_near,
+template <class Keep>
+void CoverScan::AddMeeting(const TileContext& context, std::span<const VoxelTriangle> pairs, const Keep& keep,
                            BlockVoxels& voxels) {
   constexpr size_t kBatch = 256;
   TileBits& bits = voxels.bits();
@@ -110,7 +154,7 @@ void CoverScan::AddMeeting(const TileContext& context, std::span<const VoxelTria
     for (; n < pairs.size() && batch_.size() < kBatch; ++n) {
       if (!bits.Test(pairs[n].voxel)) batch_.push_back(pairs[n]);
     }
-    KeepMeeting(context.mesh, voxels.where().layout, is_near, batch_);
+    keep(batch_);
     for (const VoxelTriangle& pair : batch_) {
       covered_.Add({pair.voxel, pair.voxel});
       bits.Set(pair.voxel);

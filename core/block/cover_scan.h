@@ -22,6 +22,9 @@ namespace latvox {
 // - A few touch cells exactly. They go row by row, as all triangles do where cells are not boxes.
 // A voxel that is a member already is not tested, which does not change the union. On smooth surfaces most are.
 //
+// On most other lattices, all but large triangles are scanned, and the cells at their rims and beyond their planes are
+// tested (core/supercover/near_cells.h).
+//
 // Reuses the memory of one node for the next.
 class CoverScan {
  public:
@@ -31,16 +34,26 @@ class CoverScan {
            PairMemory& memory, BlockVoxels& voxels);
 
   // Bytes of memory.
-  size_t Bytes() const { return BytesOf(scanned_) + BytesOf(open_) + BytesOf(batch_); }
+  size_t Bytes() const {
+    return BytesOf(scanned_) + BytesOf(open_) + BytesOf(batch_) + lines_.Bytes() + BytesOf(left_);
+  }
 
  private:
+  void AddBoxes(const TileContext& context, std::span<const uint32_t> triangles, CandidateParts& candidates,
+                PairMemory& memory, BlockVoxels& voxels);
+  void AddNearCells(const TileContext& context, std::span<const uint32_t> triangles, PairMemory& memory,
+                    BlockVoxels& voxels);
   void AddSmall(uint32_t t, const IndexBox& cells, const Triangle& triangle, BlockVoxels& voxels);
   void AddRows(const TileContext& context, const Triangle& triangle, BlockVoxels& voxels);
-  void AddMeeting(const TileContext& context, std::span<const VoxelTriangle> pairs, bool is_near, BlockVoxels& voxels);
+  template <class Keep>
+  void AddMeeting(const TileContext& context, std::span<const VoxelTriangle> pairs, const Keep& keep,
+                  BlockVoxels& voxels);
 
   std::vector<uint32_t> scanned_;     // triangles
   std::vector<VoxelTriangle> open_;   // of small triangles, still to be tested
   std::vector<VoxelTriangle> batch_;  // of AddMeeting
+  Candidates lines_;                  // of AddNearCells
+  std::vector<uint32_t> left_;        // triangles without them
   NumberRange covered_;
 };
 

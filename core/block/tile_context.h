@@ -23,7 +23,7 @@ struct TileContext {
   const SnappedMesh& mesh;
   const std::vector<ScanFrame>& frames;
   const Supercover* supercover;  // null unless the request asks for one; a supercover is not thinned
-  Vec3i reach;                   // per axis, the largest |q| of the frames, or the supercover's margin
+  Vec3i reach;                   // per axis, the largest |q| of the frames, or the supercover's ScanReach()
   bool minimal;                  // whether to thin
   const TileLinks& links;        // links of tiny triangles, if most are tiny; set before the first tile
   // Which triangles are tiny, if nodes list these, too; else empty.
@@ -31,6 +31,9 @@ struct TileContext {
   IndexBox region;  // local voxels outside are not delivered
   StopSignal stop;
   Vec3i overlap{};  // voxels around a block, per axis, that its scan decides as well
+
+  // The steps around a block within which its scan looks for the first voxels of lines, if it does not thin.
+  int32_t ScanHalo() const { return supercover != nullptr && supercover->near_cells() != nullptr ? 1 : 0; }
 
   // The distance from a tile, per axis in voxels, within which triangles may matter to it: at first, and in any case.
   Vec3i NearMargin() const { return reach * (minimal ? kNearHalo + 1 : 1) + overlap; }

@@ -22,7 +22,7 @@ void FindSurface(const TileContext& context, const TileNode& node, BlockScan& sc
   constexpr int kPatience = 8;
   const bool try_near = scan.far_blocks % kPatience == 0;
   if (!context.minimal) {
-    scan.surface.Scan(context, node, 0, node.triangles);
+    scan.surface.Scan(context, node, context.ScanHalo(), node.triangles);
   } else if (try_near && scan.thinner.Thin(context, scan.surface.Scan(context, node, kNearHalo, node.triangles))) {
     scan.far_blocks = 0;
   } else {

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <numeric>
 #include <optional>
+#include <utility>
 
 #include "absl/strings/str_format.h"
 #include "core/lattice/common_denominator.h"
@@ -46,6 +47,11 @@ bool Counts(const Vec3i& e, const std::vector<Neighbor<3>>& neighbors) {
 }
 
 Vec<Wide, 3> Widened(const Vec<int64_t, 3>& v) { return {v[0], v[1], v[2]}; }
+
+Wide CommonDivisor(Wide a, Wide b) {
+  while (b != 0) a = std::exchange(b, a % b);
+  return a < 0 ? -a : a;
+}
 
 absl::Status FlatError() {
   return absl::InvalidArgumentError(
@@ -113,6 +119,27 @@ void IntegerCell::SetZones(std::vector<CellZone> zones) {
   const Mat<Wide, 3> adjugate{Cross(g[1], g[2]), Cross(g[2], g[0]), Cross(g[0], g[1])};
   determinant_ = Dot(g[0], adjugate[0]);
   for (const CellZone& zone : zones_) directions_.push_back(Apply(adjugate, zone.e));
+}
+
+// Its zones are p_r G^-1 e_r.
+std::optional<CellSegments> IntegerCell::Segments(int32_t most) const {
+  Wide common = determinant_;
+  std::vector<Vec<Wide, 3>> steps;
+  for (size_t r = 0; r < zones_.size(); ++r) {
+    steps.push_back(directions_[r] * Wide{zones_[r].length});
+    for (const Wide x : steps.back()) common = CommonDivisor(common, x);
+  }
+  const auto fits = [&](Wide x) { return x / common <= most && x / common >= -most; };
+  CellSegments segments;
+  for (const Vec<Wide, 3>& step : steps) {
+    if (!std::ranges::all_of(step, fits)) return std::nullopt;
+    Vec3i small;
+    for (size_t m = 0; m < 3; ++m) small[m] = static_cast<int32_t>(step[m] / common);
+    segments.steps.push_back(small);
+  }
+  if (!fits(determinant_)) return std::nullopt;
+  segments.parts = static_cast<int32_t>(determinant_ / common);
+  return segments;
 }
 
 // The adjugate of G is the sum of p_r p_s (e_r x e_s)(e_r x e_s)^T over pairs. The cross products are neighbors (sum of

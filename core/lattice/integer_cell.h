@@ -11,6 +11,7 @@
 #define LATVOX_CORE_LATTICE_INTEGER_CELL_H_
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -31,6 +32,12 @@ struct CellZone {
   int64_t length;
 };
 
+// The cell as a sum of segments: { sum_r s_r step_r / parts : |s_r| <= 1/2 }, in lattice coordinates.
+struct CellSegments {
+  std::vector<Vec3i> steps;  // one for each zone, along edges of the cell; no two are parallel
+  int32_t parts;
+};
+
 // The only rounding. The six p_r become the smallest integers, at most 1024, that have their ratios within
 // kSymmetryTolerance of the largest. Where there are no such integers, they become multiples of 2^-30 of the largest.
 // So the named lattices, and those with a basis of small integers, are exact. Another lattice is replaced by one that
@@ -46,6 +53,9 @@ class IntegerCell {
   const Mat<int64_t, 3>& form() const { return form_; }         // G, symmetric
   const std::vector<Vec3i>& facets() const { return facets_; }  // one of each pair +-w of neighbors across a facet
   int length_bits() const { return length_bits_; }              // every length is at most 2^length_bits
+
+  // Returns the smallest integers for it, or nullopt if one exceeds `most`.
+  std::optional<CellSegments> Segments(int32_t most) const;
 
   // Returns the largest value of `covector` . x over the cell, times `scale`, rounded down. Precondition: the
   // covector's entries are below 2^52, and scale is at most 2^8.

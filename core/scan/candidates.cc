@@ -47,6 +47,11 @@ size_t FindScalar(const SnappedMesh& mesh, std::span<const uint32_t> triangles, 
   return n;
 }
 
+size_t LeaveAll(std::span<const uint32_t> triangles, std::vector<uint32_t>& left) {
+  left.insert(left.end(), triangles.begin(), triangles.end());
+  return triangles.size();
+}
+
 }  // namespace
 #endif
 }  // namespace latvox
@@ -60,6 +65,12 @@ namespace {
 size_t FindInLanes(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const std::vector<ScanFrame>& frames,
                    const IndexBox& box, const BitsLayout& layout, StopSignal stop, size_t enough, Candidates& out) {
   return FindScalar(mesh, triangles, frames, box, layout, stop, enough, out);
+}
+
+size_t FindCoverInLanes(const SnappedMesh&, std::span<const uint32_t> triangles, const std::vector<ScanFrame>&,
+                        const CellSegments&, int32_t, const IndexBox&, const BitsLayout&, StopSignal, size_t,
+                        Candidates&, std::vector<uint32_t>& left) {
+  return LeaveAll(triangles, left);
 }
 #else
 
@@ -214,7 +225,7 @@ void ScanSome(const Scan& scan, std::span<const uint32_t> triangles, bool boxes_
   LineScanLanes lines;
   if (boxes_too) AddBoxes(these, triangles.size(), out.boxes);
   const LineBoxes boxes = these.Boxes(scan);
-  MakeLineScans(scan.table, boxes, lines);
+  MakeLineScans<false>(scan.table, boxes, lines);
 
   const auto valid = hn::LoadMaskBits(d, reinterpret_cast<const uint8_t*>(&lines.valid));
   const auto few = hn::And(valid, hn::Lt(hn::Max(boxes.width, boxes.height), Fill(kFewLines + 1)));
@@ -222,7 +233,7 @@ void ScanSome(const Scan& scan, std::span<const uint32_t> triangles, bool boxes_
   if (together != 0) {
     const Ints longer = hn::IfThenElseZero(few, hn::Max(boxes.width, boxes.height));
     const bool by_spans = hn::GetLane(hn::MaxOfLanes(d, longer)) >= kLongRow;
-    const auto scan_batch = by_spans ? ScanBatch<true> : ScanBatch<false>;
+    const auto scan_batch = by_spans ? ScanBatch<true, false> : ScanBatch<false, false>;
     together = scan_batch(lines, together, these.lowest, these.highest, scan.table, target, out);
   }
   const uint64_t by_themselves = lines.valid & ~together;
@@ -242,6 +253,58 @@ void ScanSome(const Scan& scan, std::span<const uint32_t> triangles, bool boxes_
     }
     ScanLarge(triangle, t, scan.frames, scan.table.near, target, out);
   }
+}
+
+// Up to kTriangleLanes triangles of a supercover.
+void ScanCover(const Scan& scan, std::span<const uint32_t> triangles, Candidates& out, std::vector<uint32_t>& left) {
+  const SomeTriangles these(scan, triangles);
+  const LineBoxes boxes = these.Boxes(scan);
+  LineScanLanes lines;
+  MakeLineScans<true>(scan.table, boxes, lines);
+  const uint64_t flat = BitsOf(hn::And(these.near, hn::Eq(boxes.along, hn::Zero(Lanes()))));
+  uint64_t done = 0;
+  if (lines.valid != 0) {
+    const auto valid = hn::LoadMaskBits(Lanes(), reinterpret_cast<const uint8_t*>(&lines.valid));
+    const Ints longer = hn::IfThenElseZero(valid, hn::Max(boxes.width, boxes.height));
+    const Ints second = SecondVoxel(scan.table.cell, boxes.normal, boxes.along);
+    lines.second = second;
+    const auto has_two = hn::Gt(second, Fill(-1));  // else h may reach n.C, and a line may have a third voxel
+    const uint64_t some = BitsOf(hn::And(valid, hn::And(has_two, hn::Lt(longer, Fill(kFewLines + 1)))));
+    const auto scan_batch = MostOfLanes(longer) >= kLongRow ? ScanBatch<true, true> : ScanBatch<false, true>;
+    done = scan_batch(lines, some, these.lowest, these.highest, scan.table, scan.target, out);
+  }
+  const uint64_t large = BitsOf(hn::AndNot(these.small, these.near));
+  for (uint64_t some = flat | large | (lines.valid & ~done); some != 0; some &= some - 1) {
+    left.push_back(triangles[static_cast<size_t>(std::countr_zero(some))]);
+  }
+}
+
+size_t FindCoverInLanes(const SnappedMesh& mesh, std::span<const uint32_t> triangles,
+                        const std::vector<ScanFrame>& frames, const CellSegments& cell, int32_t most,
+                        const IndexBox& box, const BitsLayout& layout, StopSignal stop, size_t enough, Candidates& out,
+                        std::vector<uint32_t>& left) {
+  const Target target{box.max - box.min, layout, static_cast<int32_t>(layout.NumberOf(box.min))};
+  const Scan scan{mesh,
+                  PaddedVertices(mesh),
+                  frames,
+                  FrameTable(frames, {{}, target.size}, cell),
+                  std::min(NarrowExtent(frames), most),
+                  box.min * kLatticeUnit,
+                  target};
+  LinesOrder order;
+  size_t done = 0;
+  while (done < triangles.size() && out.size() < enough && !stop.Stopped()) {
+    const auto ahead = triangles.subspan(done);
+    const size_t count = std::min(LinesOrder::kMost, ahead.size());
+    const auto sorted = order.Sort(scan, ahead, count);
+    for (size_t n = 0; n < count && !stop.Stopped(); n += kTriangleLanes) {
+      const auto lanes = sorted.subspan(n, std::min(kTriangleLanes, count - n));
+      ScanCover(scan, lanes, out, left);
+      out.EndRun(lanes);
+    }
+    done += count;
+  }
+  return done;
 }
 
 size_t FindInLanes(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const std::vector<ScanFrame>& frames,
@@ -289,6 +352,7 @@ namespace latvox {
 namespace {
 
 HWY_EXPORT(FindInLanes);
+HWY_EXPORT(FindCoverInLanes);
 
 }  // namespace
 
@@ -297,6 +361,15 @@ size_t FindCandidates(const SnappedMesh& mesh, std::span<const uint32_t> triangl
                       StopSignal stop, size_t enough, Candidates& candidates) {
   if (SimdIsScalar()) return FindScalar(mesh, triangles, frames, box, layout, stop, enough, candidates);
   return HWY_DYNAMIC_DISPATCH(FindInLanes)(mesh, triangles, frames, box, layout, stop, enough, candidates);
+}
+
+size_t FindCoverCandidates(const SnappedMesh& mesh, std::span<const uint32_t> triangles,
+                           const std::vector<ScanFrame>& frames, const CellSegments& cell, int32_t most,
+                           const IndexBox& box, const BitsLayout& layout, StopSignal stop, size_t enough,
+                           Candidates& candidates, std::vector<uint32_t>& left) {
+  if (SimdIsScalar()) return LeaveAll(triangles, left);
+  return HWY_DYNAMIC_DISPATCH(FindCoverInLanes)(mesh, triangles, frames, cell, most, box, layout, stop, enough,
+                                                candidates, left);
 }
 
 }  // namespace latvox

@@ -10,7 +10,6 @@
 //   scan_batch-inl.h                the lines of many small triangles together
 //   scan_single-inl.h               the lines of one triangle, in blocks; candidates.cc combines all of these
 //   stars.h                         many stars in lanes
-//   positions-inl.h                 the positions of voxels in lanes
 //   triangle_boxes.h                which triangles may have a voxel
 //   core/tiny                       triangles smaller than voxels
 // The supercover (core/supercover) is another rule.
@@ -24,6 +23,7 @@
 #include "core/base/bytes_of.h"
 #include "core/base/stop_signal.h"
 #include "core/digitize/principal_scan.h"
+#include "core/lattice/integer_cell.h"
 #include "core/scan/triangle_boxes.h"
 #include "core/snap/snap.h"
 #include "core/tile/tile_bits.h"
@@ -40,6 +40,7 @@ struct Candidates {
   static constexpr size_t kMaxRun = size_t{1} << (32 - kNumberBits);
 
   // Links along principal directions that a triangle crosses, from nearer[n], a voxel of the surface, to farther[n].
+  // For a supercover, `farther` has the voxels that may be a line's second one instead.
   NumberList nearer, farther;
   // Voxels on lattice lines that pass a triangle closely. A star decides whether the triangle contributes them.
   NumberList rim;
@@ -58,7 +59,7 @@ struct Candidates {
   // Returns the triangle at a place of the run.
   uint32_t TriangleAt(const Run& run, size_t place) const { return triangles[run.first + place]; }
   void EndRun(std::span<const uint32_t> of) {
-    runs.push_back({static_cast<uint32_t>(triangles.size()), static_cast<uint32_t>(nearer.size()),
+    runs.push_back({static_cast<uint32_t>(triangles.size()), static_cast<uint32_t>(farther.size()),
                     static_cast<uint32_t>(rim.size())});
     triangles.insert(triangles.end(), of.begin(), of.end());
   }
@@ -78,6 +79,18 @@ struct Candidates {
 size_t FindCandidates(const SnappedMesh& mesh, std::span<const uint32_t> triangles,
                       const std::vector<ScanFrame>& frames, const IndexBox& box, const BitsLayout& layout,
                       StopSignal stop, size_t enough, Candidates& candidates);
+
+// Does the same for the supercover on a lattice with this cell. Each voxel of the box whose cell meets one of the
+// triangles is in `nearer`, or with that triangle in `farther` or `rim`. All of `nearer` have such cells.
+//   frames   of all neighbors whose cells meet
+//   most     the largest extent of a triangle, lattice units
+//   left     to these triangles, it does not apply: those with a larger extent or without area, and those that vectors
+//            cannot hold; all, in plain C++
+// Precondition: core/supercover/near_cells.h applies to the cell, and voxels a step beyond the box have numbers, too.
+size_t FindCoverCandidates(const SnappedMesh& mesh, std::span<const uint32_t> triangles,
+                           const std::vector<ScanFrame>& frames, const CellSegments& cell, int32_t most,
+                           const IndexBox& box, const BitsLayout& layout, StopSignal stop, size_t enough,
+                           Candidates& candidates, std::vector<uint32_t>& left);
 
 }  // namespace latvox
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <numeric>
+#include <utility>
 
 namespace latvox {
 namespace {
@@ -57,16 +58,40 @@ Span EdgeBounds(const LineScan<int64_t>& lines, size_t n) {
 // The sum of two remainders must fit 32 bits. And above this, rounded scans may take along / 2 for `half`.
 constexpr int64_t kExactAlong = 1 << 30;
 
+// The largest |entry| of the directions on each axis.
+Vec3i ExtentOf(const std::vector<ScanFrame>& frames) {
+  Vec3i extent{};
+  for (const ScanFrame& scan : frames) {
+    for (size_t m = 0; m < 3; ++m) extent[m] = std::max(extent[m], std::abs(scan.frame.q[m]));
+  }
+  return extent;
+}
+
+// The extent of a cell along a form, in lattice units, rounded up.
+int32_t ExtentOf(const CellSegments& cell, const Vec3i& form) {
+  int32_t sum = 0;
+  for (const Vec3i& step : cell.steps) sum += std::abs(Dot(form, step));
+  return sum * (kLatticeUnit / 2) / cell.parts + 1;
+}
+
+// A voxel's line may have its first voxel one step farther.
+Vec3i ReachOf(const CellSegments& cell, const std::vector<ScanFrame>& frames) {
+  Vec3i reach = ExtentOf(frames) * kLatticeUnit;
+  for (size_t m = 0; m < 3; ++m) {
+    Vec3i axis{};
+    axis[m] = 1;
+    reach[m] += ExtentOf(cell, axis);
+  }
+  return reach;
+}
+
 }  // namespace
 
-NearBox::NearBox(const std::vector<ScanFrame>& frames, const IndexBox& box) {
-  for (size_t m = 0; m < 3; ++m) {
-    int32_t reach = 0;  // of links; the nearer half counts
-    for (const ScanFrame& scan : frames) reach = std::max(reach, std::abs(scan.frame.q[m]));
-    min[m] = box.min[m] * kLatticeUnit - reach * (kLatticeUnit / 2);
-    max[m] = (box.max[m] - 1) * kLatticeUnit + reach * (kLatticeUnit / 2);
-  }
-}
+NearBox::NearBox(const std::vector<ScanFrame>& frames, const IndexBox& box)
+    : NearBox(ExtentOf(frames) * (kLatticeUnit / 2), box) {}  // the nearer half of a link counts
+
+NearBox::NearBox(const Vec3i& reach, const IndexBox& box)
+    : min(box.min * kLatticeUnit - reach), max((box.max - Vec3i{1, 1, 1}) * kLatticeUnit + reach) {}
 
 int32_t NarrowExtent(const std::vector<ScanFrame>& frames) {
   int32_t most = 1;
@@ -233,8 +258,8 @@ bool Narrow(const LineScan<int64_t>& lines, bool rounded, LineScan<int32_t>& out
   return true;
 }
 
-FrameTable::FrameTable(const std::vector<ScanFrame>& frames, const IndexBox& box)
-    : size(frames.size()), near(frames, box) {
+FrameTable::FrameTable(const std::vector<ScanFrame>& frames, const IndexBox& box, const NearBox& near_box)
+    : size(frames.size()), near(near_box) {
   for (size_t n = 0; n < size; ++n) {
     const Frame& frame = frames[n].frame;
     for (size_t m = 0; m < 3; ++m) {
@@ -247,11 +272,32 @@ FrameTable::FrameTable(const std::vector<ScanFrame>& frames, const IndexBox& box
       const auto lines = crossing_internal::RangeOver(box, frame.r[axis]);
       first[axis].of[n] = static_cast<int32_t>(lines.first);
       last[axis].of[n] = static_cast<int32_t>(lines.last);
+    }
+  }
+}
+
+FrameTable::FrameTable(const std::vector<ScanFrame>& frames, const IndexBox& box)
+    : FrameTable(frames, box, NearBox(frames, box)) {
+  for (size_t n = 0; n < size; ++n) {
+    for (size_t axis = 0; axis < 2; ++axis) {
       rim[axis].of[n] = static_cast<int32_t>(axis == 0 ? frames[n].reach_a : frames[n].reach_b) * kLatticeUnit / 2;
     }
     hull_size = std::max(hull_size, frames[n].hull.size());
     for (size_t h = 0; h < frames[n].hull.size(); ++h) {
       for (size_t axis = 0; axis < 2; ++axis) hull[h][axis].of[n] = static_cast<int32_t>(frames[n].hull[h][axis]);
+    }
+  }
+}
+
+FrameTable::FrameTable(const std::vector<ScanFrame>& frames, const IndexBox& box, CellSegments segments)
+    : FrameTable(frames, box, NearBox(ReachOf(segments, frames), box)) {
+  cell = std::move(segments);
+  hull_size = cell.steps.size();
+  for (size_t n = 0; n < size; ++n) {
+    for (size_t axis = 0; axis < 2; ++axis) {
+      const Vec3i& form = frames[n].frame.r[axis];
+      rim[axis].of[n] = ExtentOf(cell, form);
+      for (size_t h = 0; h < hull_size; ++h) hull[h][axis].of[n] = Dot(form, cell.steps[h]);
     }
   }
 }

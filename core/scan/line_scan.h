@@ -25,6 +25,7 @@
 #include <cstdint>
 
 #include "core/digitize/principal_scan.h"
+#include "core/lattice/integer_cell.h"
 
 namespace latvox {
 
@@ -57,6 +58,8 @@ int32_t NarrowExtent(const std::vector<ScanFrame>& frames);
 struct NearBox {
   Vec3i min, max;
   NearBox(const std::vector<ScanFrame>& frames, const IndexBox& box);
+  // Does the same for voxels that lie up to `reach` lattice units from the point that they have of a triangle.
+  NearBox(const Vec3i& reach, const IndexBox& box);
 };
 
 // Returns false if the triangle has no candidate in `box` (local voxels), whose NearBox is `near`.
@@ -108,12 +111,18 @@ struct FrameTable {
   std::array<std::array<Row, 3>, 3> r{};
   std::array<std::array<Row, 3>, 2> u{};
   std::array<Row, 2> rim{};  // lattice units by which a candidate's line may lie beside the triangle: for a, b
-  std::array<Row, 2> first{}, last{};  // lines that meet the box: a, b
-  std::array<std::array<Row, 2>, kMaxHull> hull{};
+  std::array<Row, 2> first{}, last{};               // lines that meet the box: a, b
+  std::array<std::array<Row, 2>, kMaxHull> hull{};  // for a supercover, the projections of the cell's steps
   NearBox near;
+  CellSegments cell{};  // of a supercover
 
   // box: as for MakeLineScan.
   FrameTable(const std::vector<ScanFrame>& frames, const IndexBox& box);
+  // For the scan of a supercover (core/scan/candidates.h).
+  FrameTable(const std::vector<ScanFrame>& frames, const IndexBox& box, CellSegments segments);
+
+ private:
+  FrameTable(const std::vector<ScanFrame>& frames, const IndexBox& box, const NearBox& near_box);
 };
 
 }  // namespace latvox

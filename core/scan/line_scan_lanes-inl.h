@@ -31,6 +31,7 @@ struct alignas(64) LaneInts {
 struct LineScanLanes {
   LaneInts a, b, width, height, edge[3], edge_a[3], edge_b[3], rim[3], along, level_a, level_b, remainder, half, depth,
       shape, right_depth, right_remainder, down_depth, down_remainder, frame;
+  LaneInts second;      // of a supercover, see SecondVoxel; MakeLineScans leaves it open
   uint64_t valid;       // bit n: lane n may have a candidate in the box
   uint64_t astride[3];  // bit n: some of its lines may have their voxel beyond the box's bounds on this axis
 
@@ -238,7 +239,42 @@ struct LineBoxes {
   }
 };
 
+// The rims of a supercover: an edge function changes by as much over half of the cell's projection. The scan takes no
+// line where an edge function is exactly minus the rim, so rims are one wider. Sums are below 2^24, and floats hold
+// them.
+//   sum   of |changes| over the cell's steps
+HWY_INLINE Ints CoverRim(Ints sum, int32_t parts) {
+  const hn::RebindToFloat<Lanes> df;
+  const auto per_step = hn::Set(df, 0.5F / static_cast<float>(parts));
+  return hn::Add(hn::ConvertTo(Lanes(), hn::Mul(hn::ConvertTo(df, sum), per_step)), Fill(2));
+}
+
+// Which lines of a supercover may have a second voxel. Let h be the cell's extent along the normal n, and C the
+// principal direction. The cells of a line that meet the plane have voxels within h of it. Half of C lies in the cell,
+// so h is at least n.C/2. The first such voxel is the nearest one, z. As h < n.C (core/supercover/near_cells.h), there
+// is at most a second one: z's other neighbor along the line on the plane's side. If the plane is at d from z, |d| <=
+// n.C/2, it is at n.C - |d| from the second, which is at most h iff |d| >= n.C - h. With the remainder r of
+// core/scan/line_scan.h, d = r - n.C/2, less than 2 away. So the second voxel may exist only if
+//   |2r - n.C| > 2(n.C - h) - 8
+// Floats find the right side. Their rounding is less than n.C * 2^-15, which is added.
+HWY_INLINE Ints SecondVoxel(const CellSegments& cell, const Ints3& normal, Ints along) {
+  const hn::RebindToFloat<Lanes> df;
+  const auto to_float = [&](Ints i) HWY_ATTR { return hn::ConvertTo(df, i); };
+  const auto n_0 = to_float(normal[0]), n_1 = to_float(normal[1]), n_2 = to_float(normal[2]);
+  auto twice_h = hn::Zero(df);
+  for (const Vec3i& step : cell.steps) {
+    const auto entry = [&](size_t m) HWY_ATTR { return hn::Set(df, static_cast<float>(step[m])); };
+    const auto over = hn::MulAdd(n_0, entry(0), hn::MulAdd(n_1, entry(1), hn::Mul(n_2, entry(2))));
+    twice_h = hn::Add(twice_h, hn::Abs(over));
+  }
+  const auto room = hn::Mul(to_float(along), hn::Set(df, 2 - 0x1p-15F));
+  const auto reach = hn::MulAdd(twice_h, hn::Set(df, 1.0F / static_cast<float>(cell.parts)), hn::Set(df, 9.0F));
+  return hn::ConvertTo(Lanes(), hn::Sub(room, reach));
+}
+
 // Leaves the members of PrepareBlocks open.
+//   kCover   whether the scan is that of a supercover
+template <bool kCover>
 HWY_INLINE void MakeLineScans(const FrameTable& frames, const LineBoxes& boxes, LineScanLanes& out) {
   const Lanes d;
   const hn::RebindToFloat<Lanes> df;
@@ -262,7 +298,8 @@ HWY_INLINE void MakeLineScans(const FrameTable& frames, const LineBoxes& boxes, 
     const Ints dx = hn::Sub(x[next], x[n]), dy = hn::Sub(y[next], y[n]);
     Ints rim = zero;
     for (size_t h = 0; h < frames.hull_size; ++h) {
-      rim = hn::Max(rim, hn::Abs(Minor(dx, dy, hull[h][0], hull[h][1])));
+      const Ints over = hn::Abs(Minor(dx, dy, hull[h][0], hull[h][1]));
+      rim = kCover ? hn::Add(rim, over) : hn::Max(rim, over);
     }
     // dy*R0 - dx*R1 is edge x q.
     const auto tie = hn::Gt(FirstNonzero(CrossOf(Minus(v[next], v[n]), q)), zero);
@@ -272,7 +309,7 @@ HWY_INLINE void MakeLineScans(const FrameTable& frames, const LineBoxes& boxes, 
     out.edge[n] = hn::Add(value, hn::ShiftRight<kSubvoxelBits>(rest));
     out.edge_a[n] = hn::Neg(dy);
     out.edge_b[n] = dx;
-    out.rim[n] = hn::ShiftRight<1>(hn::Add(rim, one));
+    out.rim[n] = kCover ? CoverRim(rim, frames.cell.parts) : hn::ShiftRight<1>(hn::Add(rim, one));
   }
 
   const Ints flip = hn::IfThenElseZero(hn::Lt(FirstNonzero(normal), zero), one);

@@ -156,12 +156,14 @@ struct BatchLine {
 };
 
 // Goes from line to line, and finds the candidates there.
+template <bool kCover>
 class BatchWalk {
  public:
   HWY_INLINE explicit BatchWalk(const BatchLines& lines)
       : below_along_(hn::Sub(lines.along, Fill(1))),
         minus_along_(hn::Neg(lines.along)),
         below_half_(hn::Sub(lines.scans.half.Load(), Fill(1))),
+        second_(kCover ? lines.scans.second.Load() : below_half_),
         number_q_(lines.NumberOf(lines.q)),
         counter_q_(hn::IfThenElseZero(lines.some, PackedCounter::Coordinates(lines.q))),
         counter_(lines.limit),
@@ -183,7 +185,13 @@ class BatchWalk {
   HWY_INLINE void Append(const BatchLine& line, hn::Mask<Lanes> crossed, hn::Mask<Lanes> rim_only,
                          Appender& appender) const {
     const Ints to_farther = hn::IfThenElse(hn::Gt(line.remainder, below_half_), number_q_, hn::Neg(number_q_));
-    appender.Append(Lanes(), line.number, to_farther, crossed, rim_only);
+    if constexpr (kCover) {
+      const Ints distance = hn::Abs(hn::Sub(hn::Sub(hn::Add(line.remainder, line.remainder), below_along_), Fill(1)));
+      const auto second = hn::And(hn::Or(crossed, rim_only), hn::Gt(distance, second_));
+      appender.AppendCover(Lanes(), line.number, to_farther, crossed, rim_only, second);
+    } else {
+      appender.Append(Lanes(), line.number, to_farther, crossed, rim_only);
+    }
   }
 
  private:
@@ -206,7 +214,7 @@ class BatchWalk {
     line.counter = AddIf(d, carry, counter, counter_q_);
   }
 
-  Ints below_along_, minus_along_, below_half_;
+  Ints below_along_, minus_along_, below_half_, second_;
   Ints number_q_, counter_q_;  // the changes by q
   PackedCounter counter_;
   BatchLine right_, down_;
@@ -232,9 +240,10 @@ struct BatchRow {
 
 // Finds the lanes' rows within their rims. A line outside of all rims is never a candidate (core/scan/line_scan.h), so
 // skipping it leaves the result as it is.
+template <class Walk>
 class BatchRows {
  public:
-  HWY_INLINE BatchRows(const BatchLines& lines, const BatchWalk& walk, const RowSpans& spans)
+  HWY_INLINE BatchRows(const BatchLines& lines, const Walk& walk, const RowSpans& spans)
       : lines_(lines), walk_(walk), spans_(spans), first_(FirstOf(lines)) {
     const hn::RebindToFloat<Lanes> df;
     per_along_ = hn::Div(hn::Set(df, 1.0F), ToFloat(lines.along));
@@ -293,7 +302,7 @@ class BatchRows {
   }
 
   const BatchLines& lines_;
-  const BatchWalk& walk_;
+  const Walk& walk_;
   const RowSpans& spans_;
   BatchLine first_;
   Floats per_along_, depth_right_, depth_down_;
@@ -309,10 +318,11 @@ HWY_INLINE size_t MostCandidates(const BatchLines& lines) {
 }
 
 // Goes through all lines, and checks for each the sides of edges and rims.
+template <bool kCover>
 HWY_INLINE void ScanAllLines(const BatchLines& lines, Candidates& out) {
   const Ints zero = hn::Zero(Lanes()), negative = Fill(INT32_MIN);
   const Ints signs = Fill(static_cast<int32_t>(PackedCounter::kSigns));
-  const BatchWalk walk(lines);
+  const BatchWalk<kCover> walk(lines);
   Appender appender(out, MostCandidates(lines));
   BatchLine row = FirstOf(lines);
   row.counter = hn::Add(row.counter, PackedCounter::Lines(hn::Sub(lines.boxes.width, Fill(1))));
@@ -332,14 +342,15 @@ HWY_INLINE void ScanAllLines(const BatchLines& lines, Candidates& out) {
 }
 
 // Goes through the lines within all rims, found by `spans`.
+template <bool kCover>
 HWY_INLINE void ScanSpans(const BatchLines& lines, const RowSpans& spans, Candidates& out) {
   const Ints zero = hn::Zero(Lanes()), signs = Fill(static_cast<int32_t>(PackedCounter::kSigns));
-  const BatchWalk walk(lines);
+  const BatchWalk<kCover> walk(lines);
   Appender appender(out, MostCandidates(lines));
   // The beginnings of all rows are found first. Nothing predicts the end of a row, and a mispredicted branch costs more
   // the longer it waits for its condition.
   BatchRow rows[kFewLines];
-  const BatchRows find(lines, walk, spans);
+  const BatchRows<BatchWalk<kCover>> find(lines, walk, spans);
   for (int32_t b = 0; b < lines.boxes.rows; ++b) find.Find(b, rows[b]);
   for (const BatchRow& row : std::span(rows).first(static_cast<size_t>(lines.boxes.rows))) {
     BatchLine line{{zero, zero, zero}, row.remainder.Load(), row.number.Load(), row.counter.Load()};
@@ -353,11 +364,12 @@ HWY_INLINE void ScanSpans(const BatchLines& lines, const RowSpans& spans, Candid
 }
 
 //   kBySpans        whether to go only through lines within all rims (RowSpans), or through all, with a check of each
+//   kCover          whether the scan is that of a supercover
 //   which           the lanes that take part
 //   lowest, highest voxels beyond these coordinates have no half-link that meets the triangle, or are not wanted
 // Returns the lanes that are done. It leaves out lanes that may have lines with voxels far away, and lanes with spans
 // that are not exact.
-template <bool kBySpans>
+template <bool kBySpans, bool kCover>
 HWY_NOINLINE uint64_t ScanBatch(const LineScanLanes& scans, uint64_t which, const Ints3& lowest, const Ints3& highest,
                                 const FrameTable& table, const Target& target, Candidates& out) {
   BatchLines lines(scans, which, lowest, highest, table, target);
@@ -366,9 +378,9 @@ HWY_NOINLINE uint64_t ScanBatch(const LineScanLanes& scans, uint64_t which, cons
   const uint64_t done = BitsOf(lines.some);
   if (done == 0) return 0;
   if constexpr (kBySpans) {
-    ScanSpans(lines, spans, out);
+    ScanSpans<kCover>(lines, spans, out);
   } else {
-    ScanAllLines(lines, out);
+    ScanAllLines<kCover>(lines, out);
   }
   return done;
 }

@@ -14,8 +14,8 @@
 #include <limits>
 
 #include "core/digitize/star.h"
-#include "core/scan/positions-inl.h"
 #include "core/triangles/padded_vertices.h"
+#include "core/triangles/positions-inl.h"
 #include "core/triangles/triangle_lanes-inl.h"
 
 namespace latvox {

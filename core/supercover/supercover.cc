@@ -234,9 +234,15 @@ Supercover::Supercover(const IntegerCell& cell) : cell_(cell), short_(cell) {
     half_extent_lat_[m] = static_cast<int32_t>(cell_.Support(axis, kLatticeUnit));
   }
   scan_frames_ = FramesOfBox(cell_);
+  if (scan_frames_.empty()) near_cells_ = NearCells::Of(cell_);
 }
 
 Vec3i Supercover::Margin() const { return -Shifted(-half_extent_lat_, kSubvoxelBits); }
+Vec3i Supercover::ScanReach() const {
+  Vec3i reach = Margin();
+  for (size_t m = 0; near_cells_ && m < 3; ++m) reach[m] = std::max(reach[m], near_cells_->steps()[m]);
+  return reach;
+}
 Vec3i Supercover::Reach() const { return -Shifted(-(half_extent_lat_ * 2), kSubvoxelBits); }
 
 void Supercover::ForEachRun(const Triangle& triangle, const IndexBox& box, Run run) const {

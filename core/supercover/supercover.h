@@ -22,6 +22,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "absl/functional/function_ref.h"
@@ -29,6 +30,7 @@
 #include "core/digitize/crossing.h"
 #include "core/digitize/principal_scan.h"
 #include "core/lattice/integer_cell.h"
+#include "core/supercover/near_cells.h"
 #include "core/supercover/short_cover.h"
 
 namespace latvox {
@@ -41,6 +43,8 @@ class Supercover {
   // Both are rounded up.
   Vec3i Margin() const;
   Vec3i Reach() const;
+  // The same as Margin(), but no less than a step of near_cells().
+  Vec3i ScanReach() const;
 
   // Calls run(first, count) for each row of voxels of the triangle's supercover within `box` (local voxels): first and
   // the count - 1 voxels after it along k. It visits each row once, in lexicographic order.
@@ -50,6 +54,8 @@ class Supercover {
   // Where cells are boxes along the lattice axes: those of the scan for k = 0 (core/supercover/box_cells.h). Else
   // empty.
   const std::vector<ScanFrame>& scan_frames() const { return scan_frames_; }
+  // On most other lattices: the way for triangles that are not large. Else null.
+  const NearCells* near_cells() const { return near_cells_ ? &*near_cells_ : nullptr; }
 
  private:
   struct Facet {
@@ -64,6 +70,7 @@ class Supercover {
   std::vector<Facet> facets_;  // one of each pair
   Vec3i half_extent_lat_{};    // rounded down
   std::vector<ScanFrame> scan_frames_;
+  std::optional<NearCells> near_cells_;
 };
 
 }  // namespace latvox

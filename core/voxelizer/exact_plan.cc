@@ -17,7 +17,7 @@ namespace {
 
 void SetMargins(ExactPlan& plan) {
   const ExactInput& input = plan.input;
-  plan.reach = input.supercover ? input.supercover->Margin() : ReachOf(input.frames);
+  plan.reach = input.supercover ? input.supercover->ScanReach() : ReachOf(input.frames);
   const TileContext context = plan.Context({});
   plan.near_margin = input.band ? input.band->reach : context.NearMargin();
   plan.far_margin = input.band ? input.band->reach : context.FarMargin();

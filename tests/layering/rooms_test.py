@@ -33,7 +33,8 @@ ORDER = {
 Limits = collections.namedtuple("Limits", "rooms most_rooms arrows most_arrows upward")
 LIMITS = {
     # A walk fills what the scan of the surface leaves free, so it sees what a block sees, and the metric of a band.
-    "core": Limits(rooms=23, most_rooms=26, arrows=124, most_arrows=125, upward=0),
+    # The scan of a supercover sees the lattice's cell.
+    "core": Limits(rooms=23, most_rooms=26, arrows=125, most_arrows=125, upward=0),
     "server": Limits(rooms=10, most_rooms=10, arrows=25, most_arrows=30, upward=0),
     # Four are of tool/confined: cli calls it, and it takes types, printable texts and a grid's stream from the SDK.
     # Three are of tool/hdf5: output and confined call it, and confined takes the box of bricks from output.

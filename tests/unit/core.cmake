@@ -65,6 +65,7 @@ latvox_add_core_test(core_band_openvdb_test band/band_openvdb_test.cc latvox::gr
 latvox_add_core_test(core_principal_test digitize/principal_test.cc)
 latvox_add_core_test(core_supercover_test supercover/supercover_test.cc)
 latvox_add_core_test(core_box_cells_test supercover/box_cells_test.cc)
+latvox_add_core_test(core_near_cells_test supercover/near_cells_test.cc)
 latvox_add_core_test(core_candidates_test scan/candidates_test.cc)
 latvox_add_core_test(core_line_scan_test scan/line_scan_test.cc)
 latvox_add_core_test(core_row_spans_test scan/row_spans_test.cc)

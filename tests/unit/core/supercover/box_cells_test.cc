@@ -6,51 +6,14 @@
 #include <random>
 #include <set>
 
-#include "core/supercover/supercover.h"
 #include "tests/unit/core/exact.h"
 #include "tests/unit/core/simd.h"
+#include "tests/unit/core/supercover/row_by_row.h"
 
 namespace latvox {
 namespace {
 
 using oracle::Int3;
-
-// Corners are multiples of `grain` lattice units below `extent`.
-oracle::Mesh RandomTriangles(int64_t grain, int64_t extent, size_t count, std::mt19937& random) {
-  oracle::Mesh mesh(count);
-  for (oracle::Triangle& triangle : mesh) {
-    Int3 corner;
-    for (int64_t& x : corner) x = static_cast<int64_t>(random() % 20000) / grain * grain;
-    for (Int3& v : triangle) {
-      for (size_t m = 0; m < 3; ++m) {
-        v[m] = corner[m] + grain * static_cast<int64_t>(random() % static_cast<uint64_t>(extent / grain));
-      }
-    }
-  }
-  return mesh;
-}
-
-Triangle FromOracle(const oracle::Triangle& triangle) {
-  Triangle out;
-  for (size_t n = 0; n < 3; ++n) {
-    for (size_t m = 0; m < 3; ++m) out[n][m] = static_cast<int32_t>(triangle[n][m]);
-  }
-  return out;
-}
-
-// Triangle by triangle and row by row, which supercover_test.cc compares with exact clipping.
-std::set<Int3> RowByRow(const oracle::Mesh& mesh, const Lattice& lattice) {
-  constexpr int32_t kFar = 1 << 20;
-  const Supercover supercover(IntegerCell::Of(lattice).value());
-  std::set<Int3> voxels;
-  for (const oracle::Triangle& triangle : mesh) {
-    supercover.ForEachRun(FromOracle(triangle), {{-kFar, -kFar, -kFar}, {kFar, kFar, kFar}},
-                          [&](const Vec3i& first, int32_t count) {
-                            for (int32_t n = 0; n < count; ++n) voxels.insert({first[0], first[1], first[2] + n});
-                          });
-  }
-  return voxels;
-}
 
 // From triangles within a cell to some that reach over several tiles, in general position and on the corners, edges and
 // facets of cells.

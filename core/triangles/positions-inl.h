@@ -1,15 +1,14 @@
 // The positions of voxels in lanes, from their numbers.
-#if defined(LATVOX_CORE_SCAN_POSITIONS_INL_H_) == defined(HWY_TARGET_TOGGLE)
-#ifdef LATVOX_CORE_SCAN_POSITIONS_INL_H_
-#undef LATVOX_CORE_SCAN_POSITIONS_INL_H_
+#if defined(LATVOX_CORE_TRIANGLES_POSITIONS_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef LATVOX_CORE_TRIANGLES_POSITIONS_INL_H_
+#undef LATVOX_CORE_TRIANGLES_POSITIONS_INL_H_
 #else
-#define LATVOX_CORE_SCAN_POSITIONS_INL_H_
+#define LATVOX_CORE_TRIANGLES_POSITIONS_INL_H_
 #endif
 
 #include <hwy/highway.h>
 
 #include "core/snap/snap.h"
-#include "core/tile/tile_bits.h"
 #include "core/triangles/triangle_lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -34,7 +33,9 @@ HWY_INLINE Ints QuotientOf(Ints n, int32_t by) {
 }
 
 // Returns the positions of voxels in lattice units, by axis.
-HWY_INLINE Ints3 PositionsOf(const BitsLayout& layout, Ints voxels) {
+//   Layout   core/tile has it; this room does not see it
+template <class Layout>
+HWY_INLINE Ints3 PositionsOf(const Layout& layout, Ints voxels) {
   const Ints i = QuotientOf(voxels, layout.stride[0]), row = QuotientOf(voxels, layout.stride[1]);
   const Ints3 in_box{i, hn::Sub(row, hn::Mul(i, Fill(layout.side[1]))),
                      hn::Sub(voxels, hn::Mul(row, Fill(layout.stride[1])))};

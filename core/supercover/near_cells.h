@@ -1,0 +1,75 @@
+// Triangles of up to some 30 voxels on lattices whose cells need not be boxes, such as BCC and FCC.
+//
+// All triangles are scanned along their principal directions C, the q with the largest |n.q| among the neighbors whose
+// cells meet the cell of 0. Such a q has q/2 in the cell, because cell and neighbor meet in a set with the center q/2.
+// (1) A line that meets the triangle crosses it within C/2 of its nearest voxel z. So z is in the supercover.
+// (2) If the cell of c meets the triangle, the line of c passes the triangle within the cell's projection along C.
+// (3) Let h be the cell's extent along n. The cells that meet the plane have voxels within h of it. If h < |n.C|, these
+//     are at most two of each line: z, and the neighbor of z beyond the plane.
+// core/scan finds the lines within (2), their z, and a second voxel where h allows one. The z of (1) are decided. The
+// others are candidates, and only those that no other triangle has covered are asked, as pairs of voxel and triangle.
+//
+// A pair is decided in two steps.
+// - Let w be the corner of the cell with the largest n.w, which is h. If the voxel is within h of the plane, the line
+//   through it along w meets the plane within the cell. So its cell meets the triangle if that line does. In floats,
+//   with a bound of their error, that decides most pairs.
+// - The others are asked for each separating axis, in integers (core/supercover/supercover.h).
+#ifndef LATVOX_CORE_SUPERCOVER_NEAR_CELLS_H_
+#define LATVOX_CORE_SUPERCOVER_NEAR_CELLS_H_
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "core/digitize/principal_scan.h"
+#include "core/lattice/integer_cell.h"
+#include "core/tile/tile_bits.h"
+#include "core/tile/voxel_triangle.h"
+
+namespace latvox {
+
+// With steps g of the cell (CellSegments), c in lattice units from a voxel, and U = kLatticeUnit, the axes are
+//   plane           n                        reach U / (2 parts) * sum |n . g|
+//   facet           f, parallel to g x g'    the same with f, rounded down
+//   edge d, zone g  d x g                    U / (2 parts) * sum |d . (g x g')| = U / (2 parts) * sum weight |d . f|
+class NearCells {
+ public:
+  static constexpr size_t kFacets = kMaxFacets / 2;
+  struct Facet {
+    Vec3i normal;
+    int32_t reach;
+  };
+  struct Constants {
+    std::vector<Vec3i> steps;
+    std::vector<Facet> facets;
+    std::array<std::array<int32_t, kFacets>, kMaxZones> weights{};  // of facets, for each zone, times the numerator
+    int32_t numerator, denominator;                                 // U / (2 parts); products with g have the latter
+    float sure;  // a product of a moment and 2 * parts * w has the sign of its float if it is larger
+  };
+
+  // Returns nullopt for cells of large integers, and for those that meet a neighbor without a frame.
+  static std::optional<NearCells> Of(const IntegerCell& cell);
+
+  const CellSegments& segments() const { return segments_; }
+  const std::vector<ScanFrame>& frames() const { return frames_; }  // of all neighbors whose cells meet
+  const Vec3i& steps() const { return steps_; }                     // the largest |entry| of these, per axis
+  int32_t most_extent() const { return most_extent_; }              // of triangles, lattice units per axis
+
+  // Keeps the pairs whose cell meets the triangle, in any order.
+  // Precondition: the triangles have an area, and no larger extent than most_extent(). The voxels are candidates of
+  // their scan (FindCoverCandidates).
+  void KeepMeeting(const SnappedMesh& mesh, const BitsLayout& layout, std::vector<VoxelTriangle>& pairs) const;
+
+ private:
+  CellSegments segments_;
+  std::vector<ScanFrame> frames_;
+  Vec3i steps_{};
+  Constants constants_;
+  int32_t most_extent_ = 0;
+};
+
+}  // namespace latvox
+
+#endif  // LATVOX_CORE_SUPERCOVER_NEAR_CELLS_H_
