@@ -159,6 +159,8 @@ class LinesOrder {
  public:
   static constexpr size_t kMost = 256;  // triangles; a first-level cache holds their corners until they are scanned
 
+  static constexpr size_t kTryAgain = 8;  // windows; only a trial shows whether sorting pays
+
   // Whether the last sort is expected to have saved more time than it took.
   bool pays() const { return pays_; }
 
@@ -293,12 +295,15 @@ size_t FindCoverInLanes(const SnappedMesh& mesh, std::span<const uint32_t> trian
                   target};
   LinesOrder order;
   size_t done = 0;
-  while (done < triangles.size() && out.size() < enough && !stop.Stopped()) {
-    const auto ahead = triangles.subspan(done);
-    const size_t count = std::min(LinesOrder::kMost, ahead.size());
-    const auto sorted = order.Sort(scan, ahead, count);
+  for (size_t window = 0; done < triangles.size() && out.size() < enough && !stop.Stopped(); ++window) {
+    const auto left_over = triangles.subspan(done);
+    const size_t count = std::min(LinesOrder::kMost, left_over.size());
+    auto some = left_over.first(count);
+    const bool sort = order.pays() || window % LinesOrder::kTryAgain == 0;
+    if (sort) some = order.Sort(scan, left_over, count);
     for (size_t n = 0; n < count && !stop.Stopped(); n += kTriangleLanes) {
-      const auto lanes = sorted.subspan(n, std::min(kTriangleLanes, count - n));
+      if (!sort) PrefetchCorners(mesh, left_over.subspan(n));
+      const auto lanes = some.subspan(n, std::min(kTriangleLanes, count - n));
       ScanCover(scan, lanes, out, left);
       out.EndRun(lanes);
     }
@@ -314,7 +319,6 @@ size_t FindInLanes(const SnappedMesh& mesh, std::span<const uint32_t> triangles,
   const Scan scan{mesh,  PaddedVertices(mesh), frames, FrameTable(frames, {{}, target.size}), NarrowExtent(frames), low,
                   target};
   LinesOrder order;
-  constexpr size_t kTryAgain = 8;  // windows; only a trial shows whether sorting pays
   constexpr size_t kForBoxes = 8;  // candidates for each triangle; from this number on, boxes may pay
   bool boxes_too = *std::max_element(target.size.begin(), target.size.end()) <= TriangleBoxes::kMostSide;
   size_t done = 0;
@@ -324,7 +328,7 @@ size_t FindInLanes(const SnappedMesh& mesh, std::span<const uint32_t> triangles,
                         kTriangleLanes * kTriangleLanes;
     const auto left = triangles.subspan(done);
     auto some = left.first(std::min(step, left.size()));
-    const bool sort = (order.pays() || window % kTryAgain == 0) && some.size() > kTriangleLanes;
+    const bool sort = (order.pays() || window % LinesOrder::kTryAgain == 0) && some.size() > kTriangleLanes;
     if (sort) some = order.Sort(scan, left, some.size());
     for (size_t n = 0; n < some.size() && !stop.Stopped(); n += kTriangleLanes) {
       if (!sort) PrefetchCorners(mesh, left.subspan(n));

@@ -11,8 +11,8 @@
 //
 // A pair is decided in two steps.
 // - Let w be the corner of the cell with the largest n.w, which is h. If the voxel is within h of the plane, the line
-//   through it along w meets the plane within the cell. So its cell meets the triangle if that line does. In floats,
-//   with a bound of their error, that decides most pairs.
+//   through it along w meets the plane within the cell. So its cell meets the triangle if that line does. Floats,
+//   with a bound of their error, find that.
 // - The others are asked for each separating axis, in integers (core/supercover/supercover.h).
 #ifndef LATVOX_CORE_SUPERCOVER_NEAR_CELLS_H_
 #define LATVOX_CORE_SUPERCOVER_NEAR_CELLS_H_
