@@ -54,6 +54,12 @@ latvox_add_core_test(core_water_test verify/water_test.cc THREADED)
 latvox_add_core_test(core_band_test band/band_test.cc GTest::gmock)
 latvox_add_core_test(core_fields_test fields/fields_test.cc GTest::gmock)
 latvox_add_core_test(core_links_test fields/links_test.cc)
+latvox_add_core_test(core_links_parity_test fields/links_parity_test.cc)
+if(TARGET core_links_parity_test)
+  target_compile_definitions(
+    core_links_parity_test PRIVATE LATVOX_FETCH_DRAGON="${PROJECT_SOURCE_DIR}/tests/bench/fetch-dragon"
+                                   LATVOX_DRAGON_FOLDER="${PROJECT_SOURCE_DIR}/build/bench")
+endif()
 latvox_add_core_test(core_fraction_test fields/fraction_test.cc)
 latvox_add_core_test(core_label_fraction_test fields/label_fraction_test.cc)
 latvox_add_core_test(core_numbers_alone_test fields/numbers_alone_test.cc)

@@ -18,6 +18,7 @@
 #include "tests/unit/core/exact.h"
 #include "tests/unit/core/fields.h"
 #include "tests/unit/core/fields/link_oracle.h"
+#include "tests/unit/core/fields/links_parity.h"
 #include "tests/unit/core/fields/shards.h"
 #include "tests/unit/core/sphere.h"
 #include "tests/unit/dose.h"
@@ -121,48 +122,24 @@ TEST_P(LinksOnLattice, AreThoseOfTheOracleOnAdversarialMeshes) {
   EXPECT_GT(several, 1000U);
 }
 
-// Parity tells the inside, by lines along k alone. Every neighbor of every point near the mesh is asked. Returns how
-// many of these links are crossed an odd number of times.
-size_t ExpectParity(const TriangleMesh& mesh, const Grid& grid, int k) {
-  const std::vector<Vec3i> neighbors = NeighborsOf(grid.lattice.frames(k));
-  const Result links = Voxelize(mesh, grid, {.separability = k, .set = Links{}, .fields = kAll});
-  const std::map<Int3, FoundLinks> found = LinksOf(links, neighbors.size());
-  // Forced, because some meshes are closed for every line without sharing edges.
-  const Solid solid{.rule = InteriorRule::kParity, .surface = SolidSurface::kNone, .force_open = true};
-  const std::set<Int3> inside = VoxelsOf(Voxelize(mesh, grid, {.set = solid}));
-  std::set<Int3> asked = inside;
-  for (const auto& [z, of_voxel] : found) asked.insert(z);
-  size_t wrong = 0, odd = 0;
-  for (const Int3& z : asked) {
-    const auto at = found.find(z);
-    for (size_t n = 0; n < neighbors.size(); ++n) {
-      const Vec3i& q = neighbors[n];
-      const bool differ = inside.contains(z) != inside.contains({z[0] + q[0], z[1] + q[1], z[2] + q[2]});
-      const bool is_odd = at != found.end() && at->second.crossings[n] % 2 != 0;
-      wrong += differ != is_odd ? 1 : 0;
-      odd += is_odd ? 1 : 0;
-    }
-  }
-  EXPECT_EQ(wrong, 0U);
-  return odd;
-}
-
 TEST_P(LinksOnLattice, AreCrossedAnOddNumberOfTimesWhereTheParityOfClosedMeshesDiffers) {
   const Lattice& lattice = GetParam().lattice;
   size_t number = 0, odd = 0;
   for (const oracle::NamedMesh& mesh : oracle::AdversarialMeshes(40, Directions(lattice.frames(0)))) {
     if (!mesh.closed || mesh.box) continue;
     SCOPED_TRACE(mesh.name);
-    odd +=
-        ExpectParity(ToWorld(mesh.triangles, lattice, {62, -3, 61}), Unscaled(lattice), static_cast<int>(number++ % 3));
+    const auto k = static_cast<int>(number++ % 3);
+    // Forced, because some of these meshes are closed for every line without sharing edges.
+    odd += ExpectParity(ToWorld(mesh.triangles, lattice, {62, -3, 61}), Unscaled(lattice), k, true);
   }
   EXPECT_GT(odd, 500U);
 }
 
 TEST(Links, AreCrossedAnOddNumberOfTimesWhereTheParityOfABumpySphereDiffers) {
   for (const NamedLattice name : {NamedLattice::kCartesian, NamedLattice::kBcc, NamedLattice::kFcc}) {
-    for (int k : {0, 2}) EXPECT_GT(ExpectParity(Sphere(30, 20), Unscaled(Lattice::Named(name)), k), 5000U);
-    EXPECT_GT(ExpectParity(Sphere(200, 15), Unscaled(Lattice::Named(name)), 1), 5000U);  // its triangles are tiny
+    for (int k : {0, 2}) EXPECT_GT(ExpectParity(Sphere(30, 20), Unscaled(Lattice::Named(name)), k, true), 5000U);
+    // Its triangles are tiny.
+    EXPECT_GT(ExpectParity(Sphere(200, 15), Unscaled(Lattice::Named(name)), 1, true), 5000U);
   }
 }
 
