@@ -29,6 +29,7 @@ class LineBlur {
   void Apply(float* line) {
     Read(line);
     if (counts_.back() == 0) return;
+    first_ = last_ = -1;
     for (int n = 0; n < count_; ++n) line[n] = At(n);
   }
 
@@ -51,7 +52,7 @@ class LineBlur {
     }
   }
 
-  float At(int n) const {
+  float At(int n) {
     const float here = line_[static_cast<size_t>(n)];
     const int low = std::max(n - radius_, 0), high = std::min(n + radius_ + 1, count_);
     if (here == kNoDepth) return here;
@@ -70,12 +71,19 @@ class LineBlur {
     return static_cast<float>(sum / weight);
   }
 
-  bool AllCount(float here, int first, int last) const {
-    for (int n = first; n <= last; ++n) {
-      const Block& block = blocks_[static_cast<size_t>(n)];
-      if (here - block.least >= edge_ || block.most - here >= edge_) return false;
+  // Neighbors in the same block mostly have the same blocks around them.
+  bool AllCount(float here, int first, int last) {
+    if (first != first_ || last != last_) {
+      first_ = first;
+      last_ = last;
+      around_ = {};
+      for (int n = first; n <= last; ++n) {
+        const Block& block = blocks_[static_cast<size_t>(n)];
+        around_.least = std::min(around_.least, block.least);
+        around_.most = std::max(around_.most, block.most);
+      }
     }
-    return true;
+    return here - around_.least < edge_ && around_.most - here < edge_;
   }
 
   const int radius_, count_;
@@ -85,6 +93,8 @@ class LineBlur {
   std::vector<double> sums_;  // sums of the depths before a sample
   std::vector<int> counts_;   // numbers of depths before a sample
   std::vector<Block> blocks_;
+  int first_ = -1, last_ = -1;  // blocks
+  Block around_;                // of them
 };
 
 void BlurRows(size_t wide, int radius, std::vector<float>& depth) {

@@ -10,9 +10,12 @@
 #include <vector>
 
 #include "client/internal/vec3.h"
+#include "client/tool/output/beam.h"
 #include "client/tool/output/depth_blur.h"
 #include "client/tool/output/facet_rims.h"
 #include "client/tool/output/gamma.h"
+#include "client/tool/output/hollows.h"
+#include "client/tool/output/share.h"
 #include "client/tool/output/voxel_front.h"
 
 namespace latvox::client {
@@ -31,8 +34,6 @@ Vec3f Unit(const Vec3f& v) {
   return {v[0] / length, v[1] / length, v[2] / length};
 }
 
-float Share(float x, float none, float all) { return std::clamp((x - none) / (all - none), 0.0F, 1.0F); }
-
 // Turns a direction from y up to another up axis. x stays on the right if z is up.
 Vec3d Turned(const Vec3d& v, UpAxis up) {
   if (up == UpAxis::kY) return v;
@@ -46,6 +47,7 @@ class Renderer {
       : scene_(scene),
         cancellation_(options.cancellation),
         rims_(scene.facets()),
+        hollows_(options.side * kSamples),
         side_(options.side),
         wide_(options.side * kSamples),
         filled_(options.crop ? kFilledIfCropped : kFilled) {
@@ -61,7 +63,6 @@ class Renderer {
     facet_.resize(samples);
     edge_.resize(samples);
     if (scene.colored()) colors_.resize(samples);
-    MakeTaps();
     constexpr float kSpread = 0.06F;  // for soft shadows
     for (int phase = 0; phase < kSamples * kSamples; ++phase) {
       const float dx = kSpread * static_cast<float>(phase % kSamples),
@@ -75,11 +76,15 @@ class Renderer {
     Image picture(side_, side_);
     Frame();
     MakeFronts();
-    ForRows(wide_, [this](int y) { CastRow(y); });
+    ForTiles(wide_, [this](const Tile& tile) { CastTile(tile); });
     if (cancellation_.cancelled()) return picture;
     smooth_ = SmoothDepth(depth_, wide_, std::clamp(static_cast<int>(2.0F * cell_), 2, 32));
-    ForRows(side_, [&](int y) {
-      for (int x = 0; x < side_; ++x) ShadePixel(x, y, picture.At(x, y));
+    ForTiles(side_, [&](const Tile& tile) {
+      Beams beams;
+      for (size_t phase = 0; phase < beams.size(); ++phase) beams[phase].emplace(scene_, ToScene(lights_[phase]));
+      for (int y = tile.top; y < tile.bottom; ++y) {
+        for (int x = tile.left; x < tile.right; ++x) ShadePixel(x, y, beams, picture.At(x, y));
+      }
     });
     return picture;
   }
@@ -88,10 +93,20 @@ class Renderer {
   double Scale() const { return scale_ / kSamples / scene_.cell_size(); }
 
  private:
-  template <class Row>
-  void ForRows(int rows, const Row& row) const {
-    tbb::parallel_for(0, rows, [&](int y) {
-      if (!cancellation_.cancelled()) row(y);
+  using Beams = std::array<std::optional<VoxelScene::Beam>, kSamples * kSamples>;  // toward each light
+
+  struct Tile {
+    int left, top, right, bottom;
+  };
+
+  // Calls work(tile) for the tiles of a square. What the samples of a tile read stays in the cache.
+  template <class Work>
+  void ForTiles(int wide, const Work& work) const {
+    constexpr int kTile = 64;
+    const int count = (wide + kTile - 1) / kTile;
+    tbb::parallel_for(0, count * count, [&](int n) {
+      const int left = n % count * kTile, top = n / count * kTile;
+      if (!cancellation_.cancelled()) work(Tile{left, top, std::min(left + kTile, wide), std::min(top + kTile, wide)});
     });
   }
 
@@ -104,20 +119,36 @@ class Renderer {
 
   size_t At(int x, int y) const { return static_cast<size_t>(y) * static_cast<size_t>(wide_) + static_cast<size_t>(x); }
 
+  Vec3d ToFrame(const Vec3d& at) const { return {Dot3(at, right_), Dot3(at, up_), Dot3(at, towards_)}; }
+
   void Frame() {
-    constexpr double kFar = std::numeric_limits<double>::max();
+    constexpr double kFar = std::numeric_limits<double>::max(), kSlack = 1e-3;
     Vec3d low = {kFar, kFar, kFar}, high = {-kFar, -kFar, -kFar}, reach{};
     for (const Vec3d& corner : scene_.cell_corners()) {
       const Vec3f view = ToView(corner);
       for (size_t m = 0; m < 3; ++m) reach[m] = std::max(reach[m], double{view[m]});
     }
-    scene_.ForEachOuter([&](const Vec3i& cell) {
-      const Vec3d at = scene_.CenterOf(cell);
-      const Vec3d view = {Dot3(at, right_), Dot3(at, up_), Dot3(at, towards_)};
+    Vec3d half{};  // of the box of a brick's centers
+    for (const Vec3d& axis : {scene_.CenterOf({1, 0, 0}), scene_.CenterOf({0, 1, 0}), scene_.CenterOf({0, 0, 1})}) {
+      for (size_t m = 0; m < 3; ++m) half[m] += 3.5 * std::abs(ToFrame(axis)[m]);
+    }
+    scene_.ForEachOuterBrick([&](const Brick& brick) {
+      const auto& [i, j, k] = brick.brick_ijk;
+      const Vec3d first = ToFrame(scene_.CenterOf({8 * i, 8 * j, 8 * k}));
+      const Vec3d last = ToFrame(scene_.CenterOf({8 * i + 7, 8 * j + 7, 8 * k + 7}));
+      bool within = true;
       for (size_t m = 0; m < 3; ++m) {
-        low[m] = std::min(low[m], view[m]);
-        high[m] = std::max(high[m], view[m]);
+        const double middle = (first[m] + last[m]) / 2, room = half[m] + kSlack;
+        within = within && middle - room >= low[m] && middle + room <= high[m];
       }
+      if (within) return;
+      ForEachVoxel(brick, [&](const Vec3i& cell) {
+        const Vec3d view = ToFrame(scene_.CenterOf(cell));
+        for (size_t m = 0; m < 3; ++m) {
+          low[m] = std::min(low[m], view[m]);
+          high[m] = std::max(high[m], view[m]);
+        }
+      });
     });
     if (scene_.empty()) low = high = {};
     scale_ = filled_ * wide_ / (std::max(high[0] - low[0] + 2 * reach[0], high[1] - low[1] + 2 * reach[1]));
@@ -129,24 +160,29 @@ class Renderer {
 
   void MakeFronts() {
     tbb::parallel_for(size_t{0}, fronts_.size(), [&](size_t n) {
-      if (!cancellation_.cancelled()) fronts_[n].emplace(scene_, n == 0 ? towards_ : ToScene(lights_[n - 1]));
+      if (!cancellation_.cancelled())
+        fronts_[n].emplace(scene_, n == 0 ? towards_ : ToScene(lights_[n - 1]), n == 0 ? 1 : 2);
     });
   }
 
-  void CastRow(int y) {
-    const Vec3d back = {-towards_[0], -towards_[1], -towards_[2]};
-    for (int x = 0; x < wide_; ++x) {
-      const Vec3d eye = SceneAt(static_cast<float>(x), static_cast<float>(y), 0);
-      const double front = fronts_.front()->Reach(eye);
-      if (!std::isfinite(front)) continue;
-      const Ray ray{Sum(eye, front, towards_), back};
-      const auto hit = scene_.Cast(ray);
-      if (!hit) continue;
-      depth_[At(x, y)] = static_cast<float>((front - hit->t) * scale_);
-      facet_[At(x, y)] = static_cast<uint8_t>(hit->facet);
-      edge_[At(x, y)] = EdgeAt(Sum(ray.from, hit->t, back), *hit);
-      if (!colors_.empty()) colors_[At(x, y)] = scene_.ColorOf(hit->cell);
+  void CastTile(const Tile& tile) {
+    VoxelScene::Beam beam(scene_, {-towards_[0], -towards_[1], -towards_[2]});
+    for (int y = tile.top; y < tile.bottom; ++y) {
+      for (int x = tile.left; x < tile.right; ++x) CastSample(x, y, beam);
     }
+  }
+
+  void CastSample(int x, int y, VoxelScene::Beam& beam) {
+    const Vec3d eye = SceneAt(static_cast<float>(x), static_cast<float>(y), 0);
+    const double front = fronts_.front()->Reach(eye);
+    if (!std::isfinite(front)) return;
+    const Vec3d from = Sum(eye, front, towards_);
+    const auto hit = beam.Cast(from);
+    if (!hit) return;
+    depth_[At(x, y)] = static_cast<float>((front - hit->t) * scale_);
+    facet_[At(x, y)] = static_cast<uint8_t>(hit->facet);
+    edge_[At(x, y)] = EdgeAt(Sum(from, -hit->t, towards_), *hit);
+    if (!colors_.empty()) colors_[At(x, y)] = scene_.ColorOf(hit->cell);
   }
 
   Vec3d SceneAt(float x, float y, float depth) const {
@@ -161,7 +197,7 @@ class Renderer {
     const Vec3d at = Sum(point, -1, scene_.CenterOf(hit.cell));
     const float distance = static_cast<float>(rims_.Distance(at, hit.facet) * scale_),
                 line = std::clamp(0.02F * cell_, 0.5F, 3.0F);
-    return static_cast<uint8_t>(255 * Share(distance, line + 1, line) * Share(cell_, kLeast, 3 * kLeast));
+    return static_cast<uint8_t>(255 * ShareOf(distance, line + 1, line) * ShareOf(cell_, kLeast, 3 * kLeast));
   }
 
   // Returns the normal of the smooth surface.
@@ -178,72 +214,26 @@ class Renderer {
     return Unit({-slope(2, 0), slope(0, 2), 1});
   }
 
-  // Chooses the taps that search for occluders of the sky: eight directions, different for each sample of a pixel.
-  void MakeTaps() {
-    for (int phase = 0; phase < kSamples * kSamples; ++phase) {
-      for (int d = 0; d < kDirections; ++d) {
-        const float angle = (static_cast<float>(d) + static_cast<float>(phase) / (kSamples * kSamples)) *
-                            (2 * std::numbers::pi_v<float> / kDirections);
-        const auto direction = static_cast<size_t>(d);
-        float distance = HollowReach();
-        for (Ring& ring : rings_[static_cast<size_t>(phase)]) {
-          ring.dx[direction] = static_cast<int>(std::lround(std::cos(angle) * distance));
-          ring.dy[direction] = static_cast<int>(std::lround(std::sin(angle) * distance));
-          ring.distance[direction] = distance;
-          distance *= 0.55F;
-        }
-      }
-    }
-  }
-
-  float HollowReach() const { return 0.07F * static_cast<float>(wide_); }
-
-  // Returns the hidden share of the sky, by the height of the surroundings over the tangent plane. Where the surface is
-  // seen edge-on, its tangent plane is not known well enough. The compiler makes vectors of the directions.
-  float Occlusion(int x, int y, const Vec3f& normal) const {
-    const float reach = HollowReach(), here = smooth_[At(x, y)], z = std::max(normal[2], 0.3F);
-    std::array<float, kDirections> horizon{}, there{};
-    const int margin = static_cast<int>(reach) + 1;
-    const bool inside = std::min(x, y) >= margin && std::max(x, y) < wide_ - margin;
-    for (const Ring& ring : rings_[PhaseOf(x, y)]) {
-      for (size_t d = 0; d < kDirections; ++d) {
-        const int sx = x + ring.dx[d], sy = y + ring.dy[d];
-        const bool known = inside || (sx >= 0 && sy >= 0 && sx < wide_ && sy < wide_);
-        there[d] = known ? smooth_[At(sx, sy)] : kNoDepth;
-      }
-      for (size_t d = 0; d < kDirections; ++d) {
-        const float dx = static_cast<float>(ring.dx[d]), dy = static_cast<float>(ring.dy[d]);
-        const float rise = there[d] - (here - (normal[0] * dx - normal[1] * dy) / z);
-        const float sine = rise / std::sqrt(rise * rise + ring.distance[d] * ring.distance[d]);
-        const float hidden = Share(sine, 0.08F, 1) * Share(rise, 3 * reach, reach);
-        horizon[d] = rise > 0 && hidden > horizon[d] ? hidden : horizon[d];
-      }
-    }
-    float sum = 0;
-    for (const float each : horizon) sum += each;
-    return sum / kDirections * Share(normal[2], 0.1F, 0.5F);
-  }
-
   // Returns whether the light reaches the surface of the sample. A point `raise` above the surface stands for it, so
   // that small cells do not shade each other.
-  bool Lit(int x, int y, const Vec3f& normal, float raise) const {
+  bool Lit(int x, int y, const Vec3f& normal, float raise, Beams& beams) const {
     const Vec3d surface = SceneAt(static_cast<float>(x), static_cast<float>(y), depth_[At(x, y)]);
     const Vec3d above = Sum(surface, raise, ToScene(normal));
     const size_t phase = PhaseOf(x, y);
     const double reach = fronts_[1 + phase]->Reach(above);
-    return reach <= 0 || !scene_.Cast({above, ToScene(lights_[phase]), reach}).has_value();
+    return reach <= 0 || !beams[phase]->Cast(above, reach).has_value();
   }
 
   static size_t PhaseOf(int x, int y) { return static_cast<size_t>(x % kSamples + kSamples * (y % kSamples)); }
 
   // The opacity is the share of samples that show a cell.
-  void ShadePixel(int px, int py, uint8_t* pixel) const {
+  void ShadePixel(int px, int py, Beams& beams, uint8_t* pixel) const {
     Rgb sum{};
     int shown = 0;
     for (int s = 0; s < kSamples * kSamples; ++s) {
       const int x = px * kSamples + s % kSamples, y = py * kSamples + s / kSamples;
       if (depth_[At(x, y)] == kNoDepth) continue;
-      const Rgb sample = Shade(x, y);
+      const Rgb sample = Shade(x, y, beams);
       for (size_t m = 0; m < 3; ++m) sum[m] += sample[m];
       ++shown;
     }
@@ -258,16 +248,16 @@ class Renderer {
     return {linear_[color >> 16], linear_[color >> 8 & 0xFF], linear_[color & 0xFF]};
   }
 
-  Rgb Shade(int x, int y) const {
+  Rgb Shade(int x, int y, Beams& beams) const {
     const size_t at = At(x, y);
-    const float facets = 0.2F * Share(cell_, 2, 4) + 0.65F * Share(cell_, 6, 24);
+    const float facets = 0.2F * ShareOf(cell_, 2, 4) + 0.65F * ShareOf(cell_, 6, 24);
     const Vec3f smooth = NormalAt(x, y), &facet = normals_[facet_[at]];
     Vec3f normal;
     for (size_t m = 0; m < 3; ++m) normal[m] = facets * facet[m] + (1 - facets) * smooth[m];
     normal = Unit(normal);
     float key = std::max(0.0F, FloatDot(normal, lights_[PhaseOf(x, y)]));
-    if (key > 0 && !Lit(x, y, smooth, cell_ < 12 ? 2.0F : 0.02F)) key = 0;
-    const float sky = 0.5F + 0.5F * normal[1], open = 1 - Occlusion(x, y, smooth);
+    if (key > 0 && !Lit(x, y, smooth, cell_ < 12 ? 2.0F : 0.02F, beams)) key = 0;
+    const float sky = 0.5F + 0.5F * normal[1], open = 1 - hollows_.Share(smooth_, x, y, smooth);
     const float fill = std::max(0.0F, FloatDot(normal, Unit({0.8F, 0.1F, 0.6F})));
     const float value = (open * open * (0.13F + 0.22F * sky + 0.16F * fill) + 1.05F * key) *
                         (1 - 0.45F * static_cast<float>(edge_[at]) / 255);
@@ -276,15 +266,10 @@ class Renderer {
     return color;
   }
 
-  static constexpr int kDirections = 8, kSteps = 5;
-  struct Ring {  // the taps of all directions at about one distance
-    std::array<int, kDirections> dx, dy;
-    std::array<float, kDirections> distance;
-  };
-
   const VoxelScene& scene_;
   const Cancellation cancellation_;
   const FacetRims rims_;
+  const Hollows hollows_;
   const int side_, wide_;            // pixels, samples
   const double filled_;              // share of the picture
   Vec3d right_, up_, towards_;       // the view frame's axes in the scene
@@ -299,7 +284,6 @@ class Renderer {
   std::array<std::optional<VoxelFront>, 1 + kSamples * kSamples> fronts_;  // toward the viewer, then toward each light
   std::vector<uint8_t> facet_, edge_;
   std::vector<uint32_t> colors_;  // of the samples; empty: all are color_
-  std::array<std::array<Ring, kSteps>, kSamples * kSamples> rings_{};
 };
 
 // Returns the part of the picture that has cells, with a margin as on the side that they fill.

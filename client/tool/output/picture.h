@@ -21,7 +21,7 @@ struct PictureOptions {
   Rgb8 color = {118, 158, 210};         // of the surface if the scene has no colors, sRGB
   bool crop = false;                    // whether the picture ends near the voxels
   PictureStyle style = {};
-  Cancellation cancellation = {};  // stops drawing within a few rows
+  Cancellation cancellation = {};  // stops drawing within a few tiles
 };
 
 // Returns the least shift of a VoxelScene that is as fine as a picture can show. `diagonal` is the length of the scene

@@ -3,7 +3,6 @@
 #define LATVOX_CLIENT_TOOL_OUTPUT_VOXEL_FRONT_H_
 
 #include <array>
-#include <cmath>
 #include <limits>
 #include <vector>
 
@@ -17,35 +16,36 @@ namespace latvox::client {
 // that direction can skip empty space. Everything is in the frame of the scene.
 class VoxelFront {
  public:
-  VoxelFront(const VoxelScene& scene, const Vec3d& towards);  // unit length
+  // `towards` has unit length. The bound holds for squares of this edge: larger ones are found sooner, and tell less.
+  VoxelFront(const VoxelScene& scene, const Vec3d& towards, double square = 2);
 
   // Returns a bound t: no cell meets point + s * towards for s > t. Minus infinity: no cell on the whole line.
   double Reach(const Vec3d& point) const {
     const Vec3d at = Project(point);
-    for (size_t m = 0; m < 2; ++m) {
-      if (!(at[m] >= low_[m] && at[m] < low_[m] + size_[m])) return kNothing;
-    }
-    return front_[Square(Floor(at[0]), Floor(at[1]))] - at[2];
+    const double x = at[0] - low_[0], y = at[1] - low_[1];
+    if (!(x >= 0 && x < size_[0] && y >= 0 && y < size_[1])) return kNothing;
+    return front_[Square(static_cast<int>(x), static_cast<int>(y))] - at[2];
   }
 
  private:
   // Returns the position: two coordinates in squares of the plane, and the height along `towards`.
   Vec3d Project(const Vec3d& point) const {
-    return {Dot(point, u_) / kSquare, Dot(point, v_) / kSquare, Dot(point, towards_)};
+    return {Dot(point, u_) / square_, Dot(point, v_) / square_, Dot(point, towards_)};
   }
+
+  void AddCells(const VoxelScene& scene, double radius);  // of a cell
 
   size_t Square(int x, int y) const {  // index in front_
-    return static_cast<size_t>(y - low_[1]) * static_cast<size_t>(size_[0]) + static_cast<size_t>(x - low_[0]);
+    return static_cast<size_t>(y) * static_cast<size_t>(size_[0]) + static_cast<size_t>(x);
   }
 
-  static int Floor(double x) { return static_cast<int>(std::floor(x)); }
-
-  static constexpr double kSquare = 2;  // edge
   static constexpr float kNothing = -std::numeric_limits<float>::infinity();
 
+  const double square_;  // edge
   Vec3d u_, v_, towards_;
-  std::array<int, 2> low_{}, size_{};  // squares
-  std::vector<float> front_;           // of each square
+  std::array<double, 2> low_{};  // of the squares; a whole number
+  std::array<int, 2> size_{};    // squares
+  std::vector<float> front_;     // of each square
 };
 
 }  // namespace latvox::client

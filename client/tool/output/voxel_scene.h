@@ -3,7 +3,6 @@
 #define LATVOX_CLIENT_TOOL_OUTPUT_VOXEL_SCENE_H_
 
 #include <array>
-#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -13,12 +12,6 @@
 #include "latvox/types.h"
 
 namespace latvox::client {
-
-// A line of sight in the frame of a scene: from + t * along, 0 <= t <= reach.
-struct Ray {
-  Vec3d from, along;  // along: unit length
-  double reach = std::numeric_limits<double>::infinity();
-};
 
 // The voxels' exact Voronoi cells, polyhedra and not the cubes of lattice coordinates.
 //
@@ -31,6 +24,8 @@ struct Ray {
 // everything else is.
 class VoxelScene {
  public:
+  class Beam;  // rays: client/tool/output/beam.h
+
   struct Hit {
     double t;
     Vec3i cell;
@@ -54,9 +49,6 @@ class VoxelScene {
   // Call it after the last Add. Computes the distance of empty bricks from voxels, so that rays can skip empty space.
   void Seal();
 
-  // Returns the first cell along the ray. A cell that contains the ray's beginning counts, with t = 0.
-  std::optional<Hit> Cast(const Ray& ray) const;
-
   bool Has(const Vec3i& cell) const;
   bool colored() const { return !colors_.empty(); }
   uint32_t ColorOf(const Vec3i& cell) const;  // precondition: colored(), Has(cell)
@@ -66,12 +58,12 @@ class VoxelScene {
   bool empty() const { return masks_.empty(); }
   const std::vector<Vec3d>& cell_corners() const { return corners_; }  // relative to its center
 
-  // Calls visit(cell) for every cell, in no particular order, except cells deep inside: those of full bricks surrounded
-  // by full bricks. Every line that meets a cell meets its first and last cell outside of these.
+  // Calls visit(brick) as ForEachBrick, except for bricks deep inside: full ones that full ones surround. Every line
+  // that meets a cell meets its first and last cell outside of these.
   template <class Visit>
-  void ForEachOuter(const Visit& visit) const {
+  void ForEachOuterBrick(const Visit& visit) const {
     ForEachBrick([&](const Brick& brick) {
-      if (!IsDeep(brick.brick_ijk)) ForEachVoxel(brick, visit);
+      if (!IsDeep(brick.brick_ijk)) visit(brick);
     });
   }
 
@@ -92,15 +84,12 @@ class VoxelScene {
   static constexpr int kBricks = 512;  // in a tile
   using Mask = decltype(Brick::mask);
   using Tile = std::array<int32_t, kBricks>;  // index in masks_; -d: empty, as are all bricks less than d away
-  class Walk;
 
   size_t Touch(const Vec3i& brick_ijk);            // returns its index in masks_
   int32_t NumberOf(const Vec3i& brick_ijk) const;  // index in masks_; below 0: empty
   bool IsDeep(const Vec3i& brick_ijk) const;
   void Paint(const Brick& brick, std::span<const uint32_t> colors, const Vec3i& first, const Mask& before,
              size_t number);
-  Vec3i Nearest(const Vec3d& point, Vec3i cell) const;  // `cell` is a cell nearby
-  Hit Meet(const Ray& ray, const Vec3i& cell) const;
 
   const int shift_;
   Basis basis_;      // scene frame

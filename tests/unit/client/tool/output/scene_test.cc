@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <optional>
 #include <random>
 #include <set>
@@ -10,8 +11,11 @@
 #include <vector>
 
 #include "client/internal/vec3.h"
+#include "client/tool/output/beam.h"
 #include "client/tool/output/depth_blur.h"
+#include "client/tool/output/hollows.h"
 #include "client/tool/output/picture.h"
+#include "client/tool/output/share.h"
 #include "client/tool/output/voronoi_cell.h"
 #include "client/tool/output/voxel_front.h"
 #include "client/tool/output/voxel_scene.h"
@@ -26,6 +30,12 @@ const Basis kLattices[] = {
     {{1, 0, 0}, {0.5, std::sqrt(0.75), 0}, {0, 0, 1.1}},  // hexagonal
     {{0.3, 0.01, -0.02}, {0.05, 0.4, 0.03}, {-0.1, 0.07, 0.5}},
     {{1, 0, 0}, {3, 1, 0}, {2, 2, 1}},  // cubes again, in a skewed basis
+};
+
+// from + t * along, 0 <= t <= reach.
+struct Ray {
+  Vec3d from, along;
+  double reach;
 };
 
 // Scattered voxels, so that rays skip empty bricks and tiles.
@@ -86,7 +96,9 @@ TEST(VoxelScene, RaysMeetTheCellThatBruteForceFinds) {
         const double before = n % 3 == 0 ? 5 : 300, reach = n % 4 == 0 ? before + 1 : 1e6;
         const Ray ray{Sum(near, -before, direction), direction, reach};
         const auto expected = NearestByBruteForce(scene, cell, unit, ray);
-        const auto hit = scene.Cast(ray);
+        VoxelScene::Beam beam(scene, direction);
+        beam.Cast(Sum(ray.from, 100, ray.along));  // a beam that has been elsewhere finds the same
+        const auto hit = beam.Cast(ray.from, ray.reach);
         ASSERT_EQ(hit.has_value(), expected.has_value()) << "ray " << n;
         hit ? ++hits : ++misses;
         if (!hit) continue;
@@ -180,7 +192,8 @@ TEST(VoxelScene, CellsThatAreNotDeepInsideAreOuter) {
   std::set<Vec3i> deep;
   ForEachCell(scene, [&](const Vec3i& cell) { deep.insert(cell); });
   EXPECT_EQ(deep.size(), 125 * 512 - 1U);
-  scene.ForEachOuter([&](const Vec3i& cell) { EXPECT_EQ(deep.erase(cell), 1U); });
+  scene.ForEachOuterBrick(
+      [&](const Brick& brick) { ForEachVoxel(brick, [&](const Vec3i& cell) { EXPECT_EQ(deep.erase(cell), 1U); }); });
   // Bricks inside the outermost layer, except the two that touch the brick that is not full.
   EXPECT_EQ(deep.size(), (27 - 2) * 512U);
 }
@@ -194,18 +207,20 @@ TEST(VoxelFront, NoVoxelIsBeyondIt) {
     for (const Brick& brick : n++ % 2 == 0 ? Scattered(chance, 10) : Solid()) scene.Add(brick);
     scene.Seal();
     const Vec3d towards = Unit({normal(chance), normal(chance), normal(chance)});
-    const VoxelFront front(scene, towards);
-    double least = 1e9;
-    ForEachCell(scene, [&](const Vec3i& cell) {
-      for (const Vec3d& corner : scene.cell_corners()) {
-        const double reach = front.Reach(Sum(scene.CenterOf(cell), 1, corner));
-        EXPECT_GE(reach, 0);
-        least = std::min(least, reach);
-      }
-    });
-    EXPECT_LT(least, 5) << "a bound, but an idle one";
-    const Vec3d aside = Cross(towards, Unit({1, 2, 3}));
-    EXPECT_EQ(front.Reach(Sum({}, 1e4, aside)), -std::numeric_limits<double>::infinity());
+    for (const double square : {1, 2}) {
+      const VoxelFront front(scene, towards, square);
+      double least = 1e9;
+      ForEachCell(scene, [&](const Vec3i& cell) {
+        for (const Vec3d& corner : scene.cell_corners()) {
+          const double reach = front.Reach(Sum(scene.CenterOf(cell), 1, corner));
+          EXPECT_GE(reach, 0);
+          least = std::min(least, reach);
+        }
+      });
+      EXPECT_LT(least, 5) << "a bound, but an idle one";
+      const Vec3d aside = Cross(towards, Unit({1, 2, 3}));
+      EXPECT_EQ(front.Reach(Sum({}, 1e4, aside)), -std::numeric_limits<double>::infinity());
+    }
   }
 }
 
@@ -244,6 +259,45 @@ TEST(Picture, ScenesHoldNoMoreThanThePictureTells) {
   EXPECT_GE(shift, 3);
   EXPECT_LE(shift, 5);
   EXPECT_EQ(ShiftFor(grid, 60000, {.side = 2048}), shift - 1);
+}
+
+// Compares with the definition, ring by ring, also where the surroundings rise beyond the reach or end.
+TEST(Hollows, HideWhatTheSteepestRiseHides) {
+  constexpr int kWide = 64;
+  constexpr float kReach = 0.07F * kWide;
+  std::mt19937 chance(17);
+  int dark = 0;
+  for (const float roughness : {1.0F, 8.0F}) {
+    std::vector<float> depth(kWide * kWide);
+    for (float& each : depth) {
+      each = chance() % 8 == 0 ? kNoDepth : roughness * static_cast<float>(chance() % 1000) / 500;
+    }
+    const Hollows hollows(kWide);
+    for (int n = 0; n < kWide * kWide; n += 7) {
+      const int x = n % kWide, y = n / kWide;
+      const float here = depth[static_cast<size_t>(n)];
+      if (here == kNoDepth) continue;
+      float sum = 0;
+      for (int d = 0; d < 8; ++d) {
+        const float angle =
+            (static_cast<float>(d) + static_cast<float>(x % 2 + 2 * (y % 2)) / 4) * std::numbers::pi_v<float> / 4;
+        float hidden = 0, distance = kReach;
+        for (int ring = 0; ring < 5; ++ring, distance *= 0.55F) {
+          const int dx = static_cast<int>(std::lround(std::cos(angle) * distance));
+          const int dy = static_cast<int>(std::lround(std::sin(angle) * distance));
+          if (std::min(x + dx, y + dy) < 0 || std::max(x + dx, y + dy) >= kWide) continue;
+          const float rise = depth[static_cast<size_t>(n + dy * kWide + dx)] - here;
+          if (!(rise > 0)) continue;
+          const float sine = rise / std::hypot(rise, distance);
+          hidden = std::max(hidden, ShareOf(sine, 0.08F, 1) * ShareOf(rise, 3 * kReach, kReach));
+        }
+        sum += hidden;
+      }
+      ASSERT_NEAR(hollows.Share(depth, x, y, {0, 0, 1}), sum / 8, 1e-5) << x << " " << y;
+      dark += sum > 2;
+    }
+  }
+  EXPECT_GT(dark, 50);
 }
 
 // Compares with the sums of the definition, where windows cover empty samples, steps and edges of the picture.
