@@ -14,6 +14,7 @@
 #include "client/tool/confined/foreign_grid.h"
 #include "client/tool/output/file_metadata.h"
 #include "client/tool/output/labels.h"
+#include "client/tool/output/outputs.h"
 #include "client/tool/view/page.h"
 #include "latvox/grid/carried_names.h"
 #include "latvox/grid/grid_content.h"
@@ -183,7 +184,7 @@ absl::StatusOr<std::string> RunConvert(const ConvertOptions& options, const Canc
   output_options.picture_up = UpOf(info);
   output_options.make_page = ViewPage;
   const VoxelizeRequest request = RequestOf(*content, fields);
-  std::vector<std::unique_ptr<Output>> outputs;
+  Outputs outputs;
   for (const std::string& path : options.outputs) {
     auto output = Open(path, request, output_options);
     if (!output.ok()) return output.status();
@@ -191,14 +192,15 @@ absl::StatusOr<std::string> RunConvert(const ConvertOptions& options, const Canc
     if (auto status = (*output)->Begin(accepted); !status.ok()) return status;
     outputs.push_back(*std::move(output));
   }
-  for (const auto& output : outputs) {
-    if (auto status = output->Add(content->Batch()); !status.ok()) return status;
-    if (auto status = output->Finish(SummaryOf(info, content->file.bricks.size())); !status.ok()) return status;
-    if (cancellation.cancelled()) return absl::CancelledError("cancelled");
-  }
-  for (const auto& output : outputs) {
-    if (auto status = output->Commit(); !status.ok()) return status;
-  }
+  const BrickBatch batch = content->Batch();
+  const Summary summary = SummaryOf(info, content->file.bricks.size());
+  const auto write = [&](Output& output) {
+    const absl::Status added = output.Add(batch);
+    return added.ok() ? output.Finish(summary) : added;
+  };
+  if (auto status = ForAllAtOnce(outputs, cancellation, write); !status.ok()) return status;
+  if (cancellation.cancelled()) return absl::CancelledError("cancelled");
+  if (auto status = CommitAll(outputs); !status.ok()) return status;
   return absl::StrCat(options.input, ": ", info.active_voxels, " voxels",
                       fields.empty() ? "" : absl::StrCat(" with ", Join(fields)), "\nwrote ",
                       absl::StrJoin(options.outputs, ", "), "\n");

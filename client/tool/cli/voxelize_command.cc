@@ -21,6 +21,7 @@
 #include "client/tool/confined/foreign_grid.h"
 #include "client/tool/output/box_shape.h"
 #include "client/tool/output/output.h"
+#include "client/tool/output/outputs.h"
 #include "client/tool/output/standard_output.h"
 #include "client/tool/texture/color_stream.h"
 #include "latvox/error.h"
@@ -28,8 +29,6 @@
 
 namespace latvox::client {
 namespace {
-
-using Outputs = std::vector<std::unique_ptr<Output>>;
 
 absl::StatusOr<Outputs> OpenOutputs(const VoxelizeOptions& options, const JobHooks& hooks) {
   Outputs outputs;
@@ -40,15 +39,6 @@ absl::StatusOr<Outputs> OpenOutputs(const VoxelizeOptions& options, const JobHoo
     outputs.push_back(*std::move(output));
   }
   return outputs;
-}
-
-// Calls `step` with every output until one fails.
-template <class Step>
-absl::Status ForEach(Outputs& outputs, const Step& step) {
-  for (auto& output : outputs) {
-    if (auto status = step(*output); !status.ok()) return status;
-  }
-  return absl::OkStatus();
 }
 
 std::string ResumptionLine(const Resumption& resumption) {
@@ -101,7 +91,7 @@ absl::Status Call(const Client& client, const VoxelizeOptions& options, const Me
       warnings.push_back(*std::move(large));
     }
     if (colors) colors->Begin(accepted);
-    return ForEach(outputs, [&](Output& output) { return output.Begin(accepted); });
+    return ForAllAtOnce(outputs, call.cancellation, [&](Output& output) { return output.Begin(accepted); });
   };
   uint64_t bricks = 0;
   VoxelBox box;
@@ -110,7 +100,7 @@ absl::Status Call(const Client& client, const VoxelizeOptions& options, const Me
     hooks.on_progress(received.progress, bricks);
     const BrickBatch batch = colors ? colors->Convert(received) : received;
     for (const Brick& brick : batch.bricks) box.Add(brick);
-    return ForEach(outputs, [&](Output& output) { return output.Add(batch); });
+    return ForAllAtOnce(outputs, call.cancellation, [&](Output& output) { return output.Add(batch); });
   };
   handlers.on_resumed = [&](const Resumption& resumption) {
     return hooks.say(ResumptionLine(resumption)), absl::OkStatus();
@@ -208,9 +198,9 @@ absl::StatusOr<VoxelizeReport> RunJob(const VoxelizeOptions& given, const CallOp
   all.insert(all.begin(), warnings.begin(), warnings.end());
   if (!outputs->empty()) hooks.on_stage(absl::StrCat("writing ", absl::StrJoin(options.outputs, ", ")));
   const auto finish = [&](Output& output) { return output.Finish(report.summary); };
-  if (auto status = ForEach(*outputs, finish); !status.ok()) return status;
+  if (auto status = ForAllAtOnce(*outputs, call.cancellation, finish); !status.ok()) return status;
   if (auto status = CheckTime(call); !status.ok()) return status;
-  if (auto status = ForEach(*outputs, [](Output& output) { return output.Commit(); }); !status.ok()) return status;
+  if (auto status = CommitAll(*outputs); !status.ok()) return status;
   report.total_ms = absl::ToDoubleMilliseconds(absl::Now() - start);
   return report;
 }

@@ -42,8 +42,7 @@ absl::StatusOr<const Hdf5*> LoadOnce() {
 
 absl::StatusOr<const Hdf5*> Hdf5::Load() {
   static const auto* const kLoaded = new absl::StatusOr<const Hdf5*>(LoadOnce());
-  // Each thread has its own setting.
-  if (kLoaded->ok()) (**kLoaded)->H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  if (kLoaded->ok()) (**kLoaded)->SilenceThread();
   return *kLoaded;
 }
 

@@ -35,6 +35,9 @@ struct Hdf5 {
   // FAILED_PRECONDITION: it is not installed, or another version. Thread-safe.
   static absl::StatusOr<const Hdf5*> Load();
 
+  // Keeps the library from printing errors on this thread, as Load does: each thread has its own setting.
+  void SilenceThread() const { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
+
 #define LATVOX_MEMBER(name) decltype(&::name) name = nullptr;
   LATVOX_HDF5_FUNCTIONS(LATVOX_MEMBER)
 #undef LATVOX_MEMBER

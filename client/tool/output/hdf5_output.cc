@@ -63,6 +63,7 @@ class Hdf5Output final : public Output {
   }
 
   absl::Status Add(const BrickBatch& batch) override {
+    hdf5_->SilenceThread();
     const uint64_t first = ijk_->rows();
     for (const Brick& brick : batch.bricks) {
       box_.Add(brick);
@@ -79,6 +80,7 @@ class Hdf5Output final : public Output {
   }
 
   absl::Status Finish(const Summary& summary) override {
+    hdf5_->SilenceThread();
     if (!note_.quantization) note_.quantization = static_cast<int>(summary.certificate.quantization_bits);
     bool good = WriteAttributes(summary);
     for (auto* const rows : {&ijk_, &brick_ijk_, &brick_mask_, &brick_first_, &link_ijk_, &link_voxel_, &link_neighbor_,

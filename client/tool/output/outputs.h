@@ -1,0 +1,29 @@
+// Several files of one command.
+#ifndef LATVOX_CLIENT_TOOL_OUTPUT_OUTPUTS_H_
+#define LATVOX_CLIENT_TOOL_OUTPUT_OUTPUTS_H_
+
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "client/tool/output/output.h"
+#include "latvox/cancellation.h"
+
+namespace latvox::client {
+
+using Outputs = std::vector<std::unique_ptr<Output>>;
+
+// Calls step(output) with all outputs, at once on at most as many threads as there are cores. Memory: what the outputs
+// take at the same time. Every step ends, whether others fail or not, so the error does not depend on threads: it is
+// that of the first output that has one. Steps that have not begun when the call is cancelled are left out.
+// Errors: CANCELLED; those of the steps.
+absl::Status ForAllAtOnce(const Outputs& outputs, const Cancellation& cancellation,
+                          const std::function<absl::Status(Output&)>& step);
+
+// Gives all files their names, in order, until one fails.
+absl::Status CommitAll(const Outputs& outputs);
+
+}  // namespace latvox::client
+
+#endif  // LATVOX_CLIENT_TOOL_OUTPUT_OUTPUTS_H_
