@@ -1,8 +1,6 @@
 """Programs of others read the images, and find the voxels and fields of the .npz at their positions."""
 
-import itertools
 import json
-import pathlib
 import re
 import subprocess
 import unittest
@@ -16,17 +14,9 @@ from array_case import LATTICES, SPIDER, ArrayCase
 from bodies import BODIES, write_bodies
 from harness import BUNNY, PATIENCE, box, latvox, write_obj
 
-DOCS = pathlib.Path(__file__).resolve().parents[2] / "client" / "docs" / "inputs-and-outputs.md"
-SETS = "surface supercover solid supercover-solid interior band links enclosed enclosed-interior region".split()
-OF_SETS = {"band": ["--band", "2v"], "region": ["--seed", "0,0,0"]}  # options that the set needs
 IMAGES = ".nrrd", ".mha", ".mhd", ".nii", ".nii.gz"
 ONE_EACH = {"part": "int32", "material": "int32", "color": "uint8", "distance": "float32", "triangle": "int32", "point": "float32",
             "normal": "float32", "fraction": "uint16"}  # fmt: skip
-
-
-def known_extensions():
-    """Returns the formats that the error of another one names."""
-    return latvox("voxelize", "m.obj", "-o", "a.xyz").stderr.rpartition("is not one of ")[2].split()
 
 
 def by_teem(path):
@@ -299,46 +289,6 @@ class Science(ArrayCase):
         self.write(BUNNY, IMAGES, "--resolution", "20", "--region", "1000,0,0,1001,1,1")
         for extension in IMAGES:
             self.assertEqual(read(self.dir / f"a{extension}")[0].tolist(), [[[0]]], extension)
-
-    def test_every_format_takes_every_set_except_bands_of_some(self):
-        """Without a mesh, a call that is accepted ends with its absence."""
-        formats = [each for each in known_extensions() if not each.startswith(".links")]
-        self.assertIn(".npz", formats)
-        for name, extension in itertools.product(SETS, formats):
-            with self.subTest(set=name, extension=extension):
-                words = ["-o", self.dir / f"a{extension}", "--set", name, *OF_SETS.get(name, [])]
-                done = latvox("voxelize", self.dir / "none.obj", *words)
-                refused = name == "band" and extension in (".glb", ".binvox", ".vox")
-                self.assertEqual(done.returncode, 2 if refused else 3, done.stderr)
-
-    def test_the_table_of_the_documentation_is_what_the_tool_accepts(self):
-        """Without a mesh, a call that is accepted ends with its absence."""
-        lines = DOCS.read_text().partition("| extension |")[2].splitlines()[2:]
-        table = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines[: lines.index("")]]
-        self.assertEqual([row[0].strip("`") for row in table], known_extensions())
-        questions = {
-            "one field": ["--fields", "normal"],
-            "several": ["--fields", "part,distance"],
-            "several of one type": ["--fields", "part,triangle"],
-            "links": ["--fields", "links,link_triangles"],
-            "stretched": ["--voxel-size", "1,1,2"],
-            "any lattice": ["--lattice", "bcc"],
-            "shape": ["--pad", "1"],
-        }
-        for n, (question, options) in enumerate(questions.items(), 1):
-            accepted = [row[0].strip("`") for row in table if row[n] == "yes"]
-            refused = [row[0].strip("`") for row in table if row[n] == "no"]
-            self.assertEqual(len(accepted) + len(refused), len(table), question)
-            # Those of links need one, which others refuse.
-            of_links = [each for each in accepted if each.startswith(".links")]
-            others = [each for each in accepted if each not in of_links]
-            for code, extensions in ((3, others), *((3, [each]) for each in of_links), *((2, [each]) for each in refused)):
-                options = questions[question]
-                if code == 3 and extensions[0] in of_links and "--fields" not in options:
-                    options = [*options, "--fields", "links"]
-                outputs = [word for extension in extensions for word in ("-o", self.dir / f"a{extension}")]
-                done = latvox("voxelize", self.dir / "none.obj", *outputs, *options)
-                self.assertEqual(done.returncode, code, (question, extensions, done.stderr))
 
 
 if __name__ == "__main__":
