@@ -31,12 +31,14 @@ uint64_t CountBefore(const Brick& brick, size_t bit) {
 
 bool HasVoxel(const Brick& brick, size_t bit) { return (brick.mask[bit / 64] >> bit % 64 & 1) != 0; }
 
-std::string NamesOf(const std::vector<FieldValues>& fields) {
-  const auto name = [](std::string* out, const FieldValues& values) {
+std::string NamesOf(const GridContent& content) {
+  const auto step = [](std::string* out, const Vec3i& q) { absl::StrAppend(out, absl::StrJoin(q, ",")); };
+  const auto name = [&](std::string* out, const FieldValues& values) {
     *out += NameOf(values.field);
     if (!values.labels.empty()) absl::StrAppend(out, " of ", absl::StrJoin(values.labels, " "));
+    if (values.neighbors > 0) absl::StrAppend(out, " to ", absl::StrJoin(content.neighbors, " ", step));
   };
-  return fields.empty() ? "absent" : absl::StrJoin(fields, ",", name);
+  return content.fields.empty() ? "absent" : absl::StrJoin(content.fields, ",", name);
 }
 
 class Joiner {
@@ -45,6 +47,7 @@ class Joiner {
     for (const FieldValues& values : parts.front().content.fields) {
       joined_.fields.push_back({values.field, {}, values.neighbors, values.labels});
     }
+    joined_.neighbors = parts.front().content.neighbors;
   }
 
   absl::StatusOr<JoinedContent> Join() && {
@@ -64,9 +67,12 @@ class Joiner {
       return a.field == b.field && a.labels == b.labels;
     };
     for (const auto& [path, content] : parts_) {
-      if (std::ranges::equal(content.fields, first.content.fields, same)) continue;
-      return absl::InvalidArgumentError(absl::StrCat(path, ": its fields are ", NamesOf(content.fields), ", but ",
-                                                     NamesOf(first.content.fields), " in ", first.path));
+      if (std::ranges::equal(content.fields, first.content.fields, same) &&
+          content.neighbors == first.content.neighbors) {
+        continue;
+      }
+      return absl::InvalidArgumentError(absl::StrCat(path, ": its fields are ", NamesOf(content), ", but ",
+                                                     NamesOf(first.content), " in ", first.path));
     }
     return absl::OkStatus();
   }

@@ -21,13 +21,14 @@ struct PartContent {
 struct JoinedContent {
   std::vector<Brick> bricks;        // lexicographic order
   std::vector<FieldValues> fields;  // those of each part
+  std::vector<Vec3i> neighbors;     // of fields of links
   uint64_t shared_bricks = 0;       // bricks of the parts beyond those of the union
 };
 
 // `disjoint`: a brick in two parts is an error. Preconditions: there is a part; the bricks of each differ, and the
 // fields have a value for each voxel. Memory: 28 bytes for each brick of the parts, and the result. Errors:
-// INVALID_ARGUMENT, with the file: other fields than in the first part; another value for a voxel of two parts; a brick
-// in two parts.
+// INVALID_ARGUMENT, with the file: other fields or neighbors than in the first part; another value for a voxel of two
+// parts; a brick in two parts.
 absl::StatusOr<JoinedContent> JoinContents(const std::vector<PartContent>& parts, bool disjoint);
 
 }  // namespace latvox::client

@@ -59,7 +59,7 @@ auto WithForm(Field field, const Visit& visit) {
     case Field::kPart:
     case Field::kMaterial:
     case Field::kTriangle:
-    case Field::kLinks:  // no grid holds these three, which have a number for each neighbor
+    case Field::kLinks:  // link_grids makes the grids of these three
     case Field::kLinkTriangles:
     case Field::kLinkCrossings:
       break;
@@ -78,6 +78,7 @@ void Fill(std::span<const Brick> bricks, const FieldValues& values, size_t n, Va
 
 std::vector<openvdb::GridBase::Ptr> NewFieldGrids(Field field, const std::vector<uint32_t>& fraction_labels) {
   std::vector<openvdb::GridBase::Ptr> grids;
+  if (FactsOf(field).is_of_links()) return grids;
   const auto add = [&](const std::string& name) {
     grids.push_back(WithForm(field, [](auto form) -> openvdb::GridBase::Ptr { return form.New(); }));
     grids.back()->setName(name);

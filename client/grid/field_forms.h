@@ -13,6 +13,7 @@
 namespace latvox::client {
 
 // Returns empty grids of the type and with the names that latvox/grid/field_grids.h states: one, or one for each label.
+// None for a field of links: see client/grid/link_grids.h.
 std::vector<openvdb::GridBase::Ptr> NewFieldGrids(Field field, const std::vector<uint32_t>& fraction_labels);
 
 // Makes the bricks' voxels active, with these values. The grid is the n-th one of NewFieldGrids, or another one of the

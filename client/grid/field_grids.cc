@@ -6,6 +6,7 @@
 #include "client/grid/field_forms.h"
 #include "client/grid/grid_file.h"
 #include "client/grid/grid_metadata.h"
+#include "client/grid/link_grids.h"
 #include "client/grid/metadata_types.h"
 #include "client/grid/names_metadata.h"
 #include "client/grid/nano_file.h"
@@ -19,20 +20,34 @@ namespace latvox::client {
 struct FieldGrids::Content {
   VoxelGrid voxels;
   std::vector<Field> fields;
-  std::vector<openvdb::GridBase::Ptr> grids;  // of the fields, one after the other
-  std::vector<size_t> ends;                   // of each field's
+  std::vector<Vec3i> neighbors;
+  std::vector<openvdb::GridBase::Ptr> grids = {};  // of the fields, one after the other, except those of links
+  std::vector<size_t> ends = {};                   // of each field's
+  std::vector<FieldValues> links = {};             // the fields of links
+  std::vector<Brick> bricks = {};                  // if there are any
 
-  openvdb::GridCPtrVec All() {
+  openvdb::GridCPtrVec All() const {
     openvdb::GridCPtrVec all{voxels.content().grid};
     all.insert(all.end(), grids.begin(), grids.end());
     return all;
   }
+  LateGrids Late() const { return LinkGrids(bricks, links, neighbors, *voxels.content().grid); }
+
+  void AddLinks(const BrickBatch& batch) {
+    if (links.empty()) return;
+    bricks.insert(bricks.end(), batch.bricks.begin(), batch.bricks.end());
+    for (FieldValues& values : links) {
+      const std::vector<std::byte>& more = FindField(batch.fields, values.field)->bytes;
+      values.bytes.insert(values.bytes.end(), more.begin(), more.end());
+    }
+  }
 };
 
 FieldGrids::FieldGrids(const GridTransform& transform, const std::vector<Field>& fields,
-                       const std::vector<uint32_t>& fraction_labels)
-    : content_(std::make_unique<Content>(Content{VoxelGrid(transform), fields, {}, {}})) {
+                       const std::vector<uint32_t>& fraction_labels, const std::vector<Vec3i>& neighbors)
+    : content_(std::make_unique<Content>(Content{VoxelGrid(transform), fields, neighbors})) {
   for (const Field field : fields) {
+    if (FactsOf(field).is_of_links()) content_->links.push_back({field, {}, neighbors.size()});
     for (openvdb::GridBase::Ptr& grid : NewFieldGrids(field, fraction_labels)) {
       Place(transform, *grid);
       content_->grids.push_back(std::move(grid));
@@ -54,6 +69,7 @@ absl::Status FieldGrids::Add(const BrickBatch& batch) try {
     }
     begin = end;
   }
+  content_->AddLinks(batch);
   return content_->voxels.Add(batch);
 } catch (const std::bad_alloc&) {
   return absl::ResourceExhaustedError("not enough memory for the OpenVDB grids");
@@ -86,8 +102,12 @@ void FieldGrids::SetMetadata(const std::vector<std::pair<std::string, std::strin
   for (const openvdb::GridBase::Ptr& grid : content_->grids) InsertTexts(metadata, *grid);
 }
 
-absl::Status FieldGrids::Write(const std::string& path) { return WriteGridFile(content_->All(), path); }
+absl::Status FieldGrids::Write(const std::string& path) {
+  return WriteGridFile(content_->All(), path, content_->Late());
+}
 
-absl::Status FieldGrids::WriteNano(const std::string& path) const { return WriteNanoFile(content_->All(), path); }
+absl::Status FieldGrids::WriteNano(const std::string& path) const {
+  return WriteNanoFile(content_->All(), path, content_->Late());
+}
 
 }  // namespace latvox::client

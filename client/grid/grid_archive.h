@@ -18,6 +18,7 @@ class GridArchive {
   virtual ~GridArchive() = default;
 
   bool empty() const { return names_.empty(); }
+  const std::set<std::string>& names() const { return names_; }
   bool HasGrid(const std::string& name) const { return names_.contains(name); }
 
   // Returns the first of all names, in lexicographic order. Precondition: !empty().

@@ -13,6 +13,7 @@
 #include "absl/strings/str_split.h"
 #include "client/grid/grid_reading.h"
 #include "client/grid/grid_stream.h"
+#include "client/grid/link_grids.h"
 #include "client/grid/open_file.h"
 #include "client/grid/openvdb_trees.h"
 #include "client/grid/tree_nodes.h"
@@ -183,7 +184,13 @@ absl::StatusOr<GridContent> ReadSet(GridArchive& archive, const std::string& pat
   if (!set.ok()) return set.status();
   GridContent content{.file = *std::move(set)};
   if (!values || content.file.info.name != "voxels") return content;
+  auto neighbors = ReadNeighbors(archive, path);
+  if (!neighbors.ok()) return neighbors.status();
+  content.neighbors = *std::move(neighbors);
   for (const FieldFacts& row : kFields) {
+    if (row.field == Field::kLinks) {
+      if (auto status = ReadLinks(archive, path, content); !status.ok()) return status;
+    }
     if (row.is_of_links() || row.is_of_labels() || !archive.HasGrid(row.name)) continue;
     FieldValues field{row.field, {}};
     const openvdb::GridBase::Ptr grid = archive.ReadGrid(row.name);
@@ -191,7 +198,9 @@ absl::StatusOr<GridContent> ReadSet(GridArchive& archive, const std::string& pat
     content.fields.push_back(std::move(field));
     if (row.field == Field::kDistance) SetRange(*grid, content);
   }
-  static_assert(kFields.back().is_of_labels(), "fields keep the order of kFields");
+  static_assert(kFields.back().is_of_labels() && FactsOf(Field::kLinkCrossings).is_of_links() &&
+                    static_cast<int>(Field::kLinkCrossings) == static_cast<int>(Field::kLinks) + 2,
+                "fields keep the order of kFields");
   if (auto status = ReadFractions(archive, path, content); !status.ok()) return status;
   return content;
 }

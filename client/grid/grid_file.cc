@@ -2,6 +2,7 @@
 
 #define XXH_INLINE_ALL
 #include <openvdb/io/Archive.h>
+#include <openvdb/io/GridDescriptor.h>
 #include <xxhash.h>
 
 #include <algorithm>
@@ -63,14 +64,22 @@ class HashedSink final : public std::streambuf {
 };
 
 // io::File does not check whether its stream took everything: on a full disk it leaves half a file without an error.
+// Archive::write is not used either, because it needs all grids at once. Its bytes are the same.
 struct Writer : openvdb::io::Archive {
   // OpenVDB gives each file a random UUID. Its readers compare it to tell other content, so the content's own hash does
   // as well, and equal jobs make equal files.
-  void Write(const openvdb::GridCPtrVec& grids, std::ofstream& file) const {
+  void Write(const openvdb::GridCPtrVec& grids, const LateGrids& late, std::ofstream& file) const {
     HashedSink sink(*file.rdbuf());
     std::ostream out(&sink);
     out.exceptions(std::ios::failbit | std::ios::badbit);
-    write(out, grids, /*seekable=*/true);
+    writeHeader(out, /*seekable=*/true);
+    openvdb::MetaMap().writeMeta(out);
+    const auto count = static_cast<int32_t>(grids.size() + late.count);
+    out.write(reinterpret_cast<const char*>(&count), sizeof(count));
+    ForEachGrid(grids, late, [&](const openvdb::GridBase::ConstPtr& grid) {
+      openvdb::io::GridDescriptor descriptor(grid->getName(), grid->type(), grid->saveFloatAsHalf());
+      writeGrid(descriptor, grid, out, /*seekable=*/true);
+    });
     file.seekp(kUuidAt);
     file << sink.Uuid();
   }
@@ -78,7 +87,7 @@ struct Writer : openvdb::io::Archive {
 
 }  // namespace
 
-absl::Status WriteGridFile(const openvdb::GridCPtrVec& grids, const std::string& path) {
+absl::Status WriteGridFile(const openvdb::GridCPtrVec& grids, const std::string& path, const LateGrids& late) {
   const auto cannot = [&path](const char* why) {
     return absl::UnknownError(absl::StrCat(path, ": cannot be written (", why, ")"));
   };
@@ -89,7 +98,7 @@ absl::Status WriteGridFile(const openvdb::GridCPtrVec& grids, const std::string&
     errno = 0;
     file.open(path, std::ios::binary | std::ios::trunc);
     file.exceptions(std::ios::failbit | std::ios::badbit);
-    Writer().Write(grids, file);
+    Writer().Write(grids, late, file);
     file.close();
     return absl::OkStatus();
   } catch (const std::ios_base::failure&) {

@@ -11,6 +11,7 @@
 #include "client/grid/content_join.h"
 #include "client/grid/field_forms.h"
 #include "client/grid/grid_file.h"
+#include "client/grid/link_grids.h"
 #include "client/grid/openvdb_trees.h"
 #include "client/grid/tree_nodes.h"
 #include "client/internal/digest.h"
@@ -148,7 +149,8 @@ absl::StatusOr<MergedGrid> MergeFields(const Parts& parts, const CommonFacts& co
     grid->setTransform(parts.front()->transform());
   }
   if (cancellation.cancelled()) return absl::CancelledError("cancelled");
-  if (auto status = WriteGridFile({grids.begin(), grids.end()}, path); !status.ok()) return status;
+  const LateGrids links = LinkGrids(joined->bricks, joined->fields, joined->neighbors, *grids.front());
+  if (auto status = WriteGridFile({grids.begin(), grids.end()}, path, links); !status.ok()) return status;
   return MergedGrid{voxels, joined->bricks.size(), joined->shared_bricks, digests.set.ToHex()};
 } catch (const std::bad_alloc&) {
   return absl::ResourceExhaustedError(absl::StrCat(path, ": not enough memory to join the fields"));

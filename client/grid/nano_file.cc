@@ -92,7 +92,7 @@ nanovdb::GridHandle<> WithText(const nanovdb::GridHandle<>& plain, const std::st
 
 }  // namespace
 
-absl::Status WriteNanoFile(const openvdb::GridCPtrVec& grids, const std::string& path) {
+absl::Status WriteNanoFile(const openvdb::GridCPtrVec& grids, const std::string& path, const LateGrids& late) {
   const auto cannot = [&path](const char* why) {
     return absl::UnknownError(absl::StrCat(path, ": cannot be written (", why, ")"));
   };
@@ -102,9 +102,9 @@ absl::Status WriteNanoFile(const openvdb::GridCPtrVec& grids, const std::string&
     file.exceptions(std::ios::failbit | std::ios::badbit);
     errno = 0;
     file.open(path, std::ios::binary | std::ios::trunc);
-    for (const openvdb::GridBase::ConstPtr& grid : grids) {
+    ForEachGrid(grids, late, [&file](const openvdb::GridBase::ConstPtr& grid) {
       nanovdb::io::writeGrid(file, WithText(Converted(*grid), TextOf(*grid)), nanovdb::io::Codec::NONE);
-    }
+    });
     file.close();
     return absl::OkStatus();
   } catch (const std::ios_base::failure&) {

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "absl/status/status.h"
+#include "client/grid/late_grids.h"
 #include "client/grid/openvdb_trees.h"
 
 namespace latvox::client {
@@ -13,8 +14,8 @@ namespace latvox::client {
 // grid is a segment of the file. Its metadata latvox_... become one blind data "latvox", of unknown class and type:
 // text, with a line "name = value" each. Memory: twice the size of the largest grid. Errors: UNKNOWN, with the path and
 // the message of NanoVDB or the system.
-//   grids   of bool, float, int32 or three floats
-absl::Status WriteNanoFile(const openvdb::GridCPtrVec& grids, const std::string& path);
+//   grids, late   of bool, float, int32 or three floats
+absl::Status WriteNanoFile(const openvdb::GridCPtrVec& grids, const std::string& path, const LateGrids& late = {});
 
 }  // namespace latvox::client
 

@@ -125,6 +125,12 @@ def test_links_have_a_column_for_each_neighbor(tmp_path):
     file = np.load(tmp_path / "v.npz")
     for field in fields:
         assert v[field].dtype == file[field].dtype and np.array_equal(v[field], file[field], equal_nan=field == "links")
+    for extension in (".vdb", ".nvdb"):
+        from harness import latvox as run_tool
+
+        v.save(tmp_path / f"v{extension}")
+        done = run_tool("convert", tmp_path / f"v{extension}", "-o", tmp_path / "again.npz")
+        assert done.returncode == 0 and (tmp_path / "again.npz").read_bytes() == (tmp_path / "v.npz").read_bytes(), done
 
 
 def test_fractions_have_a_column_for_each_label(tmp_path):

@@ -3,8 +3,10 @@
 #define LATVOX_LATVOX_FIELDS_H_
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <string>
 #include <vector>
@@ -106,6 +108,16 @@ inline bool CarriesLinks(std::span<const Field> fields) {
 // Returns the name of a label's fractions in files: "fraction_7".
 inline std::string FractionName(uint32_t label) { return "fraction_" + std::to_string(label); }
 
+// Returns the name of a field of links in files, for one neighbor: "link_-1_0_1", "link_triangle_-1_0_1".
+//   step   lattice vector to the neighbor
+inline std::string LinkName(Field field, const std::array<int32_t, 3>& step) {
+  std::string name = field == Field::kLinkTriangles   ? "link_triangle"
+                     : field == Field::kLinkCrossings ? "link_crossings"
+                                                      : "link";
+  for (const int32_t coordinate : step) name += "_" + std::to_string(coordinate);
+  return name;
+}
+
 // The values of voxels for one field, without gaps: bytes_of_voxel for each voxel, brick after brick, and within a
 // brick in lexicographic order of ijk.
 struct FieldValues {
@@ -132,6 +144,13 @@ struct FieldValues {
   }
   bool operator==(const FieldValues&) const = default;
 };
+
+// Returns whether the mesh crosses the n-th of all links, in the order of the values. Precondition: a field of links.
+inline bool IsCrossed(const FieldValues& links, size_t n) {
+  if (links.field == Field::kLinks) return !std::isnan(links.As<float>()[n]);
+  const uint32_t number = links.As<uint32_t>()[n];
+  return links.field == Field::kLinkTriangles ? number != std::numeric_limits<uint32_t>::max() : number != 0;
+}
 
 // Returns the values of a field, or null if there are none.
 inline const FieldValues* FindField(std::span<const FieldValues> fields, Field field) {

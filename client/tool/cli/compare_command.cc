@@ -36,11 +36,18 @@ std::string NamesOf(const std::vector<FieldValues>& fields) {
   return absl::StrJoin(fields, ",", [](std::string* out, const FieldValues& field) { *out += NameOf(field.field); });
 }
 
+std::string StepsOf(const std::vector<Vec3i>& neighbors) {
+  return absl::StrJoin(neighbors, " ", [](std::string* out, const Vec3i& q) { *out += absl::StrJoin(q, ","); });
+}
+
 // Compares the metadata, and which fields the voxels carry, whatever the metadata say about that.
 std::vector<FieldDifference> FieldsOf(const GridContent& a, const GridContent& b) {
   std::vector<FieldDifference> fields = CompareFields(a.file.info, b.file.info);
   const std::string of_a = NamesOf(a.fields), of_b = NamesOf(b.fields);
   if (of_a != of_b) fields.push_back({"grids", of_a, of_b});
+  if (!a.neighbors.empty() && !b.neighbors.empty() && a.neighbors != b.neighbors) {
+    fields.push_back({"neighbors", StepsOf(a.neighbors), StepsOf(b.neighbors)});
+  }
   return fields;
 }
 
@@ -51,7 +58,7 @@ std::string ToJson(const Report& report, const std::vector<std::string>& outputs
                {"both", voxels.both},     {"jaccard", voxels.Jaccard()},
                {"box", nullptr},          {"first", Json::array()},
                {"fields", Json::array()}, {"distances", nullptr},
-               {"values", Json::object()}};
+               {"links", nullptr},        {"values", Json::object()}};
   json["same_places"] = SamePlaces(report.fields);
   if (voxels.box) json["box"] = {{"min", voxels.box->min}, {"max", voxels.box->max}};
   for (const auto& [ijk, in_a] : voxels.first) json["first"].push_back({{"ijk", ijk}, {"only", in_a ? "a" : "b"}});
@@ -59,6 +66,9 @@ std::string ToJson(const Report& report, const std::vector<std::string>& outputs
   if (const auto& distances = report.values.distances) {
     json["distances"] = {{"differ", distances->differ}, {"greatest", distances->greatest}, {"at", nullptr}};
     if (distances->at) json["distances"]["at"] = *distances->at;
+  }
+  if (const auto& links = report.values.links) {
+    json["links"] = {{"in_one", links->in_one}, {"greatest", links->greatest}};
   }
   for (const auto& [field, differ] : report.values.others) json["values"][NameOf(field)] = differ;
   if (!outputs.empty()) json["outputs"] = outputs;
@@ -90,7 +100,12 @@ std::string ToText(const Report& report, const CompareWords& words) {
     text += "\n";
   }
   for (const auto& [field, differ] : report.values.others) {
-    absl::StrAppend(&text, NameOf(field), ": ", differ, " of the voxels in both differ\n");
+    absl::StrAppend(&text, NameOf(field), ": ", differ, " of the voxels in both differ");
+    if (field == Field::kLinks && differ > 0) {
+      absl::StrAppendFormat(&text, "; %d links are crossed in one alone, shares differ by %g at most",
+                            report.values.links->in_one, report.values.links->greatest);
+    }
+    text += "\n";
   }
   const auto is_picture = [](const std::string& path) { return absl::EndsWithIgnoreCase(path, ".png"); };
   if (!words.outputs.empty()) {

@@ -25,16 +25,9 @@ namespace {
 constexpr char kNoFields[] = "none";
 constexpr const char* kCutOut[] = {"latvox_region", "latvox_bounds", "latvox_shard"};
 
-// Grids hold no links.
-std::vector<std::string> Extensions() {
-  std::vector<std::string> extensions = OutputExtensions();
-  std::erase_if(extensions, [](const std::string& each) { return absl::StartsWith(each, ".links"); });
-  return extensions;
-}
-
 std::optional<Field> FieldNamed(absl::string_view name) {
   for (const FieldFacts& facts : kFields) {
-    if (name == facts.name && !facts.is_of_links()) return facts.field;
+    if (name == facts.name) return facts.field;
   }
   return std::nullopt;
 }
@@ -42,7 +35,7 @@ std::optional<Field> FieldNamed(absl::string_view name) {
 std::string CheckConvertedFields(const std::string& text) {
   if (text == kNoFields) return "";
   for (const absl::string_view name : absl::StrSplit(text, ',')) {
-    if (!FieldNamed(name)) return absl::StrCat("\"", name, "\" is neither none nor a field that a .vdb holds");
+    if (!FieldNamed(name)) return absl::StrCat("\"", name, "\" is neither none nor a field");
   }
   return "";
 }
@@ -83,13 +76,12 @@ VoxelizeRequest RequestOf(const GridContent& content, const std::vector<Field>& 
 absl::StatusOr<std::unique_ptr<Output>> Open(const std::string& path, const VoxelizeRequest& request,
                                              const OutputOptions& options) {
   const std::vector<Field>& fields = request.fields;
-  std::vector<std::string> able = ExtensionsFor(fields);
+  const std::vector<std::string> able = ExtensionsFor(fields);
   const bool fits = !options.dense_npy || !HasExtension(path, {".npy"}) || FitsOneArray(fields);
   if (!HasExtension(path, able) || !fits) {
-    const std::vector<std::string> known = Extensions();
-    std::erase_if(able, [&known](const std::string& each) { return !HasExtension("a" + each, known); });
-    return absl::InvalidArgumentError(absl::StrCat(path, ": cannot hold ", Join(fields), "; ", absl::StrJoin(able, " "),
-                                                   " can, and --fields selects some"));
+    const std::string holds = fields.empty() ? "voxels without links" : Join(fields);
+    return absl::InvalidArgumentError(absl::StrCat(path, ": cannot hold ", holds, "; ", absl::StrJoin(able, " "),
+                                                   " can", fields.empty() ? "" : ", and --fields selects some"));
   }
   return OpenOutput(path, request, options);
 }
@@ -142,7 +134,7 @@ Summary SummaryOf(const GridFileInfo& info, uint64_t bricks) {
 
 void AddConvertOptions(CommandParser& command, ConvertWords& words) {
   command.Add({GridFileRow(words.input),
-               OutputRow(Extensions(), words.outputs, /*several=*/true),
+               OutputRow(OutputExtensions(), words.outputs, /*several=*/true),
                {.names = "--fields",
                 .target = &words.fields,
                 .help = "Fields of the file to write, or none",
@@ -172,6 +164,7 @@ absl::StatusOr<std::string> RunConvert(const ConvertOptions& options, const Canc
   }
   std::vector<Field> fields;
   Accepted accepted;
+  accepted.neighbors = content->neighbors;
   for (const FieldValues& values : content->fields) {
     fields.push_back(values.field);
     if (!values.labels.empty()) accepted.fraction_labels = values.labels;

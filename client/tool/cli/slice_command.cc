@@ -40,7 +40,7 @@ struct CutAt {
 
 // Returns the voxels of a layer with their values.
 GridContent Cut(const GridContent& content, const CutAt& place) {
-  GridContent layer{{content.file.info, {}}, content.is_band, {}, content.distances};
+  GridContent layer{{content.file.info, {}}, content.is_band, {}, content.distances, content.neighbors};
   for (const FieldValues& values : content.fields) {
     layer.fields.push_back({values.field, {}, values.neighbors, values.labels});
   }
@@ -108,6 +108,7 @@ absl::StatusOr<std::unique_ptr<Output>> List(const std::string& path, const Grid
   (*output)->SetNames(ReadCarriedNames(cut.file.info));
   Accepted accepted;
   accepted.grid = cut.file.info.transform;
+  accepted.neighbors = cut.neighbors;
   for (const FieldValues& values : cut.fields) {
     if (FactsOf(values.field).is_of_labels()) accepted.fraction_labels = values.labels;
   }

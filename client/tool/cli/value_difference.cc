@@ -30,6 +30,16 @@ void ForEachCommonVoxel(const std::vector<Brick>& a, const std::vector<Brick>& b
   });
 }
 
+// Adds the links of the m-th voxel of a and the n-th of b.
+void AddLinks(const CommonField& links, size_t m, size_t n, LinkDifference& found) {
+  const size_t neighbors = links.a->neighbors;
+  for (size_t q = 0; q < neighbors; ++q) {
+    const double difference = double{links.a->As<float>()[m * neighbors + q]} - links.b->As<float>()[n * neighbors + q];
+    if (!std::isnan(difference)) found.greatest = std::max(found.greatest, std::abs(difference));
+    found.in_one += IsCrossed(*links.a, m * neighbors + q) != IsCrossed(*links.b, n * neighbors + q);
+  }
+}
+
 }  // namespace
 
 bool CommonField::Differs(size_t m, size_t n) const {
@@ -45,7 +55,9 @@ std::vector<CommonField> CommonFields(const GridContent& a, const GridContent& b
   std::vector<CommonField> fields;
   for (const FieldValues& of_a : a.fields) {
     const FieldValues* const of_b = FindField(b.fields, of_a.field);
-    if (of_b != nullptr && of_a.labels == of_b->labels) fields.push_back({&of_a, of_b});
+    if (of_b == nullptr || of_a.labels != of_b->labels) continue;
+    if (FactsOf(of_a.field).is_of_links() && a.neighbors != b.neighbors) continue;
+    fields.push_back({&of_a, of_b});
   }
   return fields;
 }
@@ -55,10 +67,12 @@ ValueDifference CompareValues(const GridContent& a, const GridContent& b) {
   const std::vector<CommonField> fields = CommonFields(a, b);
   std::vector<uint64_t> differ(fields.size(), 0);
   DistanceDifference distances;
+  LinkDifference links;
   ForEachCommonVoxel(a.file.bricks, b.file.bricks, [&](const Vec3i& ijk, size_t m, size_t n) {
     for (size_t f = 0; f < fields.size(); ++f) {
       if (!fields[f].Differs(m, n)) continue;
       ++differ[f];
+      if (fields[f].a->field == Field::kLinks) AddLinks(fields[f], m, n, links);
       if (fields[f].a->field != Field::kDistance) continue;
       const double of_a = fields[f].a->As<float>()[m], difference = std::abs(of_a - fields[f].b->As<float>()[n]);
       if (difference <= distances.greatest) continue;
@@ -71,6 +85,7 @@ ValueDifference CompareValues(const GridContent& a, const GridContent& b) {
       distances.differ = differ[f];
       found.distances = distances;
     } else {
+      if (fields[f].a->field == Field::kLinks) found.links = links;
       found.others.emplace_back(fields[f].a->field, differ[f]);
     }
   }

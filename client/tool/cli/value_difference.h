@@ -20,6 +20,7 @@ struct CommonField {
   bool Differs(size_t m, size_t n) const;
 };
 
+// Fields of different labels or neighbors are not common.
 std::vector<CommonField> CommonFields(const GridContent& a, const GridContent& b);
 
 struct DistanceDifference {
@@ -28,9 +29,15 @@ struct DistanceDifference {
   std::optional<Vec3i> at;  // the first voxel with it, in the order of bricks
 };
 
+struct LinkDifference {
+  uint64_t in_one = 0;  // number of links that are crossed in one file alone
+  double greatest = 0;  // greatest difference of shares where both are crossed
+};
+
 // Compares the voxels that both files have.
 struct ValueDifference {
   std::optional<DistanceDifference> distances;  // if both carry them
+  std::optional<LinkDifference> links;          // if both carry Field::kLinks, which is among the others, too
   // Other fields of both files, with the number of voxels that differ.
   std::vector<std::pair<Field, uint64_t>> others;
 

@@ -147,15 +147,31 @@ bool IsBoxOf(const std::vector<Brick>& bricks, const IndexBox& box) {
   return true;
 }
 
+// Returns whether the vectors ascend, and each has its opposite among them.
+bool AreNeighbors(const std::vector<Vec3i>& neighbors) {
+  if (neighbors.size() > kMostNeighbors || neighbors.size() % 2 != 0) return false;
+  for (size_t n = 0; n < neighbors.size(); ++n) {
+    if (n > 0 && !(neighbors[n - 1] < neighbors[n])) return false;
+    const Vec3i &q = neighbors[n], &opposite = neighbors[neighbors.size() - 1 - n];
+    for (size_t m = 0; m < 3; ++m) {
+      if (int64_t{q[m]} + opposite[m] != 0) return false;
+    }
+  }
+  return true;
+}
+
+// Links that the mesh does not cross have no finite share.
+bool IsFloatOf(Field field, float x) { return std::isfinite(x) || (field == Field::kLinks && std::isnan(x)); }
+
 bool AreValues(const FieldValues& values, uint64_t voxels) {
   const FieldFacts& facts = FactsOf(values.field);
-  if (facts.is_of_links()) return false;  // no grid holds them
+  if (facts.is_of_links() && values.neighbors == 0) return false;
   if (facts.is_of_labels() == values.labels.empty() || values.labels.size() > kMostFractionLabels) return false;
   const size_t bytes = values.bytes_of_voxel();
   if (values.bytes.size() / bytes != voxels || values.bytes.size() % bytes != 0) return false;
-  const auto is_finite = [](float x) { return std::isfinite(x); };
+  const auto is_good = [&values](float x) { return IsFloatOf(values.field, x); };
   const std::span<const float> floats = values.As<float>();
-  return facts.type != NumberType::kFloat32 || std::all_of(floats.begin(), floats.end(), is_finite);
+  return facts.type != NumberType::kFloat32 || std::all_of(floats.begin(), floats.end(), is_good);
 }
 
 bool IsContent(const GridContent& content) {
@@ -163,6 +179,7 @@ bool IsContent(const GridContent& content) {
   if (CountVoxels(content.file.bricks) != info.active_voxels) return false;
   if (!AreFinite(info.transform) || info.active_box.has_value() != (info.active_voxels > 0)) return false;
   if (info.active_box && !IsBoxOf(content.file.bricks, *info.active_box)) return false;
+  if (!AreNeighbors(content.neighbors)) return false;
   const bool has_distances = FindField(content.fields, Field::kDistance) != nullptr;
   if (content.distances.has_value() != has_distances) return false;
   if (content.distances && !std::isfinite(content.distances->most)) return false;
@@ -195,6 +212,7 @@ void SendContent(const absl::StatusOr<GridContent>& content, const SendBytes& se
   sender.Put(content->distances.has_value());
   sender.Put(content->distances.value_or(DistanceRange{}).most);
   sender.Put(content->distances.value_or(DistanceRange{}).is_signed);
+  sender.PutAll(content->neighbors);
   sender.Put(uint64_t{content->fields.size()});
   for (const FieldValues& values : content->fields) {
     sender.Put(values.field);
@@ -213,11 +231,14 @@ absl::StatusOr<GridContent> ReceiveContent(bool facts_alone, const ReceiveBytes&
   range.most = receiver.Get<double>();
   range.is_signed = receiver.GetBool();
   if (has_distances) content.distances = range;
+  content.neighbors = receiver.GetAll<std::vector<Vec3i>>();
   for (auto left = receiver.Get<uint64_t>(); receiver.status().ok() && left > 0; --left) {
     const auto field = receiver.Get<Field>();
     receiver.Require(static_cast<size_t>(field) < kFields.size());
     auto bytes = receiver.GetAll<std::vector<std::byte>>();
-    content.fields.push_back({field, std::move(bytes), 0, receiver.GetAll<std::vector<uint32_t>>()});
+    const bool is_of_links = receiver.status().ok() && FactsOf(field).is_of_links();
+    content.fields.push_back({field, std::move(bytes), is_of_links ? content.neighbors.size() : 0,
+                              receiver.GetAll<std::vector<uint32_t>>()});
   }
   if (!receiver.status().ok()) return receiver.status();
   if (!facts_alone && !IsContent(content)) return Nonsense();

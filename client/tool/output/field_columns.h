@@ -8,14 +8,12 @@
 #include <string>
 #include <vector>
 
-#include "absl/strings/str_cat.h"
-#include "absl/strings/str_join.h"
 #include "latvox/types.h"
 
 namespace latvox::client {
 
 struct FieldColumns {
-  // One for each component; the rest are null. For links, the beginning of each. For labels, none: see FractionName.
+  // One for each component; the rest are null. For links and labels, none: see LinkName and FractionName.
   std::array<const char*, 3> names;
 };
 
@@ -27,9 +25,9 @@ inline constexpr std::array<FieldColumns, kFields.size()> kFieldColumns{{{{"part
                                                                          {{"triangle"}},
                                                                          {{"u", "v"}},
                                                                          {{"nx", "ny", "nz"}},
-                                                                         {{"link"}},
-                                                                         {{"link_triangle"}},
-                                                                         {{"link_crossings"}},
+                                                                         {},
+                                                                         {},
+                                                                         {},
                                                                          {{"fraction"}},
                                                                          {}}};
 
@@ -39,7 +37,7 @@ inline std::vector<std::string> ColumnsOf(Field field, const Accepted& accepted)
   std::vector<std::string> columns;
   const auto& names = kFieldColumns[static_cast<size_t>(field)].names;
   if (FactsOf(field).is_of_links()) {
-    for (const Vec3i& q : accepted.neighbors) columns.push_back(absl::StrCat(names[0], "_", absl::StrJoin(q, "_")));
+    for (const Vec3i& q : accepted.neighbors) columns.push_back(LinkName(field, q));
   } else if (FactsOf(field).is_of_labels()) {
     for (const uint32_t label : accepted.fraction_labels) columns.push_back(FractionName(label));
   } else {

@@ -18,27 +18,21 @@ namespace {
 constexpr int kRampSteps = 32;
 
 // Labels the ends and the middle.
-Legend LegendOfDistances(const DistanceRange& range) {
+//   color   of a value
+template <class Color>
+Legend Ramp(double least, double most, const Color& color) {
   Legend legend{.is_ramp = true};
   for (int n = 0; n <= kRampSteps; ++n) {
-    const double share = static_cast<double>(n) / kRampSteps,
-                 distance = range.most * (range.is_signed ? 2 * share - 1 : share);
+    const double value = least + (most - least) * n / kRampSteps;
     const bool named = n % (kRampSteps / 2) == 0;
-    legend.entries.push_back(
-        {DistanceColor(static_cast<float>(distance), range), named ? absl::StrFormat("%.4g", distance) : ""});
+    legend.entries.push_back({color(static_cast<float>(value)), named ? absl::StrFormat("%.4g", value) : ""});
   }
   return legend;
 }
 
-Legend LegendOfFractions(uint32_t points_of_cell) {
-  Legend legend{.is_ramp = true};
-  for (uint32_t n = 0; n <= kRampSteps; ++n) {
-    const bool named = n % (kRampSteps / 2) == 0;
-    legend.entries.push_back(
-        {FractionColor(n, kRampSteps),
-         named ? absl::StrFormat("%.4g", static_cast<double>(n) * points_of_cell / kRampSteps) : ""});
-  }
-  return legend;
+Legend LegendOfDistances(const DistanceRange& range) {
+  return Ramp(range.is_signed ? -range.most : 0, range.most,
+              [&range](float distance) { return DistanceColor(distance, range); });
 }
 
 Legend LegendOfNormals() {
@@ -63,6 +57,7 @@ std::string Named(const std::string& number, const std::string& name) {
 
 std::string NameOfNumber(ColorBy by, uint32_t number, const std::string& name) {
   if (by == ColorBy::kColor) return absl::StrFormat("#%06x", number);
+  if (IsUncrossed(by, number)) return "no crossed link";
   return Named(absl::StrCat(NameOf(by), " ", number), name);
 }
 
@@ -91,7 +86,11 @@ Legend LegendOfLabels(const GridContent& content, const FieldValues& fractions, 
 
 Legend LegendOf(const GridContent& content, ColorBy by, size_t most) {
   if (by == ColorBy::kDistance && content.distances) return LegendOfDistances(*content.distances);
-  if (by == ColorBy::kFraction) return LegendOfFractions(TraitsOf(content).points_of_cell);
+  if (by == ColorBy::kFraction) {
+    const double points = TraitsOf(content).points_of_cell;
+    return Ramp(0, points, [points](float fraction) { return ShareColor(fraction / points); });
+  }
+  if (by == ColorBy::kLinks) return Ramp(0, 1, &ShareColor);
   if (by == ColorBy::kNormal) return LegendOfNormals();
   if (by == ColorBy::kPoint) return LegendOfPoints();
   const FieldValues* const fractions = FindField(content.fields, Field::kLabelFractions);
@@ -101,8 +100,11 @@ Legend LegendOf(const GridContent& content, ColorBy by, size_t most) {
   for (const FieldValues& values : content.fields) {
     if (absl::string_view(NameOf(values.field)) != NameOf(by)) continue;
     std::map<uint32_t, uint64_t> counts;
-    const size_t all = values.bytes.size() / values.bytes_of_voxel();
-    for (size_t n = 0; n < all; ++n) ++counts[NumberAt(values, n)];
+    FieldValues of_links;
+    if (FactsOf(values.field).is_of_links()) of_links = OneOfLinks(values);
+    const FieldValues& counted = of_links.neighbors > 0 ? of_links : values;
+    const size_t all = counted.bytes.size() / counted.bytes_of_voxel();
+    for (size_t n = 0; n < all; ++n) ++counts[NumberAt(counted, n)];
     std::vector<std::pair<uint32_t, uint64_t>> rows(counts.begin(), counts.end());
     const auto is_more = [](const auto& a, const auto& b) { return a.second > b.second; };
     if (by == ColorBy::kColor) std::stable_sort(rows.begin(), rows.end(), is_more);
@@ -111,9 +113,9 @@ Legend LegendOf(const GridContent& content, ColorBy by, size_t most) {
         legend.entries.push_back(Rest(rows.size() - most));
         break;
       }
-      legend.entries.push_back({by == ColorBy::kColor ? number : PaletteColor(number),
-                                absl::StrCat(NameOfNumber(by, number, names.Of(values.field, number)), ": ", voxels,
-                                             voxels == 1 ? " voxel" : " voxels")});
+      legend.entries.push_back(
+          {ColorOfNumber(by, number), absl::StrCat(NameOfNumber(by, number, names.Of(values.field, number)), ": ",
+                                                   voxels, voxels == 1 ? " voxel" : " voxels")});
     }
   }
   return legend;

@@ -2,10 +2,8 @@
 #ifndef LATVOX_CLIENT_TOOL_OUTPUT_LINK_ROWS_H_
 #define LATVOX_CLIENT_TOOL_OUTPUT_LINK_ROWS_H_
 
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 
 #include "latvox/for_each_voxel.h"
 #include "latvox/types.h"
@@ -21,13 +19,6 @@ struct LinkRow {
   int32_t triangle = 0;  // the number of the triangle that it meets first
   int32_t crossings = 0;
 };
-
-// Returns whether the mesh crosses the n-th link of all that the field has, in the order of its values.
-inline bool IsCrossed(const FieldValues& links, size_t n) {
-  if (links.field == Field::kLinks) return !std::isnan(links.As<float>()[n]);
-  const uint32_t number = links.As<uint32_t>()[n];
-  return links.field == Field::kLinkTriangles ? number != std::numeric_limits<uint32_t>::max() : number != 0;
-}
 
 // Calls visit(row) for each crossed link: voxels in their order, and the neighbors of each in theirs. Precondition: the
 // batch has a field of links.

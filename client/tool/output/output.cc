@@ -94,7 +94,7 @@ GridOutput::NewGrid NewGridFor(const VoxelizeRequest& request) {
   const auto* const band = std::get_if<Band>(&request.set);
   if (band == nullptr || fields != std::vector<Field>{Field::kDistance}) {
     return [fields](const Vdb& vdb, const Accepted& accepted) {
-      return vdb.NewFieldGrids(accepted.grid, fields, accepted.fraction_labels);
+      return vdb.NewFieldGrids(accepted.grid, fields, accepted.fraction_labels, accepted.neighbors);
     };
   }
   const bool whole = !request.region && !request.bounds && !request.shard;
@@ -205,14 +205,14 @@ constexpr char kLinksCsv[] = ".links.csv", kLinksNpz[] = ".links.npz", kCellsVtu
 constexpr char kCsv[] = ".csv", kNpy[] = ".npy", kPly[] = ".ply", kMhd[] = ".mhd", kNiiGz[] = ".nii.gz";
 
 constexpr Format kFormats[] = {
-    {".vdb", "OpenVDB", NewVdbOutput<VdbFormat::kOpenVdb>, Holds::kFixed, /*is_placed=*/true, /*by_openvdb=*/true},
-    {".nvdb", "NanoVDB", NewVdbOutput<VdbFormat::kNanoVdb>, Holds::kFixed, /*is_placed=*/true, /*by_openvdb=*/true},
+    {".vdb", "OpenVDB", NewVdbOutput<VdbFormat::kOpenVdb>, Holds::kAll, /*is_placed=*/true, /*by_openvdb=*/true},
+    {".nvdb", "NanoVDB", NewVdbOutput<VdbFormat::kNanoVdb>, Holds::kAll, /*is_placed=*/true, /*by_openvdb=*/true},
     {kCsv, "table", NewTable<kCsv>, Holds::kAll},
     {kNpy, "NumPy", NewNpyOutput, Holds::kAll, /*is_placed=*/false},
     {".npz", "NumPy, dense and placed", NewArchiveOutput, Holds::kAll},
     {kPly, "points", NewTable<kPly>, Holds::kAll},
-    {".png", "picture", NewPngOutput, Holds::kFixed, /*is_placed=*/false},
-    {".html", "page", NewHtmlOutput, Holds::kFixed, /*is_placed=*/true, /*by_openvdb=*/true},
+    {".png", "picture", NewPngOutput, Holds::kAll, /*is_placed=*/false},
+    {".html", "page", NewHtmlOutput, Holds::kAll, /*is_placed=*/true, /*by_openvdb=*/true},
     {".glb", "surface of cells", NewFacetOutput, Holds::kColor},
     {".binvox", "binvox", NewCubeOutput, Holds::kNone},
     {".vox", "MagicaVoxel", NewSceneOutput, Holds::kPainted, /*is_placed=*/false},

@@ -97,9 +97,9 @@ std::optional<Warning> WarningOfPlace(const std::vector<std::string>& paths);
 //   .links.csv, .links.npz   crossed links: see client/tool/output/link_output.h
 //   .vti, .vtu, .cells.vtu   cells of a box, points, and Voronoi cells: see client/tool/output/vtk_output.h
 //   .nrrd, .mha, .mhd, .nii, .nii.gz   images in space, see client/tool/output/image_output.h
-// A request with fields needs one of ExtensionsFor: fields of links fit .csv, .npy, .npz, .ply, .vtu, .h5 and the
-// lists of links alone. Columns are those of client/tool/output/field_columns.h. label_fractions is an array, a grid, a
-// column or a member for each label, with FractionName, and in a .h5 an array with a column for each:
+// A request with fields needs one of ExtensionsFor: fields of links do not fit .vti, images, .glb, .binvox and .vox.
+// Columns are those of client/tool/output/field_columns.h. label_fractions is an array, a grid, a column or a member
+// for each label, with FractionName, and in a .h5 an array with a column for each:
 //   .vdb, .nvdb   one more grid for each, see latvox/grid/field_grids.h; a band with distances alone, see
 //          distance_grid.h
 //   .csv   further columns, floats with 9 significant digits; part_name, material_name, if there are names

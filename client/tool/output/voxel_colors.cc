@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <numeric>
 
 #include "absl/strings/numbers.h"
@@ -22,6 +23,8 @@ constexpr uint32_t kRdBu[] = {0x053061, 0x2166AC, 0x4393C3, 0x92C5DE, 0xD1E5F0, 
                               0xFDDBC7, 0xF4A582, 0xD6604D, 0xB2182B, 0x67001F};
 constexpr uint32_t kViridis[] = {0x440154, 0x472D7B, 0x3B528B, 0x2C728E, 0x21918C,
                                  0x28AE80, 0x5EC962, 0xADDC30, 0xFDE725};
+
+constexpr uint32_t kUncrossedColor = 0xBBBBBB;  // a gray that neither the palette nor viridis has
 
 constexpr char kFractionName[] = "latvox_fraction_n";  // of the number of points along each axis of a cell
 constexpr uint32_t kLeastPoints = 2, kMostPoints = 16;
@@ -61,16 +64,16 @@ uint32_t ColorAt(const FieldValues& values, size_t n, ColorBy by, const VoxelTra
       const float* const normal = &values.As<float>()[3 * n];
       return NormalColor({normal[0], normal[1], normal[2]});
     }
+    case ColorBy::kLinks:
+      return ShareColor(values.As<float>()[n]);
     case ColorBy::kFraction:
       return FractionColor(NumberAt(values, n), traits.points_of_cell);
     case ColorBy::kLabelFractions: {
       const size_t labels = values.labels.size();
       return BlendedColor(values.labels, values.As<uint16_t>().subspan(n * labels, labels), traits.points_of_cell);
     }
-    case ColorBy::kColor:
-      return NumberAt(values, n);
     default:
-      return PaletteColor(NumberAt(values, n));
+      return ColorOfNumber(by, NumberAt(values, n));
   }
 }
 
@@ -93,8 +96,9 @@ std::optional<Field> FieldOf(ColorBy by) {
 }  // namespace
 
 const char* NameOf(ColorBy by) {
-  constexpr const char* kNames[] = {"none",     "part",  "material", "color",    "distance",
-                                    "triangle", "point", "normal",   "fraction", "label_fractions"};
+  constexpr const char* kNames[] = {"none",           "part",     "material",       "color", "distance",
+                                    "triangle",       "point",    "normal",         "links", "link_triangles",
+                                    "link_crossings", "fraction", "label_fractions"};
   return kNames[static_cast<size_t>(by)];
 }
 
@@ -118,8 +122,41 @@ uint32_t DistanceColor(float distance, const DistanceRange& range) {
   return range.is_signed ? Between(kRdBu, (1 + share) / 2) : Between(kViridis, share);
 }
 
+FieldValues OneOfLinks(const FieldValues& links) {
+  FieldValues one{links.field, {}, 1};
+  const auto append = [&one](const auto& number) {
+    const auto* const bytes = reinterpret_cast<const std::byte*>(&number);
+    one.bytes.insert(one.bytes.end(), bytes, bytes + sizeof(number));
+  };
+  const size_t all = links.bytes.size() / 4;
+  for (size_t n = 0; n < all; n += links.neighbors) {
+    if (links.field == Field::kLinks) {
+      const auto shares = links.As<float>().subspan(n, links.neighbors);
+      append(std::accumulate(shares.begin(), shares.end(), std::numeric_limits<float>::quiet_NaN(),
+                             [](float a, float b) { return std::fmin(a, b); }));  // NaN if both are
+    } else {
+      const auto numbers = links.As<uint32_t>().subspan(n, links.neighbors);
+      append(links.field == Field::kLinkTriangles ? *std::ranges::min_element(numbers)
+                                                  : *std::ranges::max_element(numbers));
+    }
+  }
+  return one;
+}
+
+bool IsUncrossed(ColorBy by, uint32_t number) {
+  if (by == ColorBy::kLinkTriangles) return number == std::numeric_limits<uint32_t>::max();
+  return by == ColorBy::kLinkCrossings && number == 0;
+}
+
+uint32_t ColorOfNumber(ColorBy by, uint32_t number) {
+  if (by == ColorBy::kColor) return number;
+  return IsUncrossed(by, number) ? kUncrossedColor : PaletteColor(number);
+}
+
+uint32_t ShareColor(double share) { return std::isnan(share) ? kUncrossedColor : Between(kViridis, share); }
+
 uint32_t FractionColor(uint32_t fraction, uint32_t points_of_cell) {
-  return Between(kViridis, static_cast<double>(fraction) / points_of_cell);
+  return ShareColor(static_cast<double>(fraction) / points_of_cell);
 }
 
 uint32_t BlendedColor(std::span<const uint32_t> labels, std::span<const uint16_t> points, uint32_t points_of_cell) {
@@ -149,9 +186,12 @@ absl::StatusOr<std::vector<uint32_t>> ColorsOf(const BrickBatch& batch, const Vo
   if (values == nullptr || lacks_range) {
     return absl::InvalidArgumentError(absl::StrCat("the voxels have no ", NameOf(by)));
   }
-  const size_t voxels = values->bytes.size() / values->bytes_of_voxel();
+  FieldValues one;
+  if (FactsOf(values->field).is_of_links()) one = OneOfLinks(*values);
+  const FieldValues& colored = one.neighbors > 0 ? one : *values;
+  const size_t voxels = colored.bytes.size() / colored.bytes_of_voxel();
   colors.reserve(voxels);
-  for (size_t n = 0; n < voxels; ++n) colors.push_back(ColorAt(*values, n, by, traits));
+  for (size_t n = 0; n < voxels; ++n) colors.push_back(ColorAt(colored, n, by, traits));
   return colors;
 }
 

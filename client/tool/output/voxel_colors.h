@@ -25,6 +25,9 @@ enum class ColorBy {
   kTriangle,
   kPoint,
   kNormal,
+  kLinks,
+  kLinkTriangles,
+  kLinkCrossings,
   kFraction,
   kLabelFractions
 };
@@ -53,6 +56,20 @@ uint32_t PaletteColor(uint32_t number);
 // An unsigned one goes from dark violet at the surface to yellow: viridis. Both are safe for color-blind people and end
 // at the ends of the range.
 uint32_t DistanceColor(float distance, const DistanceRange& range);
+
+// Returns one number for each voxel: of its links that the mesh crosses, the least share, the smallest number of a
+// triangle, or the most crossings. Without such a link, it is as for a link that is not crossed.
+FieldValues OneOfLinks(const FieldValues& links);
+
+// Returns whether the number, of OneOfLinks, tells that no link is crossed.
+bool IsUncrossed(ColorBy by, uint32_t number);
+
+// Returns the color of a number of a field of integers: a color is its own, the others have PaletteColor. Gray means
+// that no link is crossed.
+uint32_t ColorOfNumber(ColorBy by, uint32_t number);
+
+// Returns the color of a share of a link or a cell: viridis from 0 to 1. NaN, for no crossed link, is gray.
+uint32_t ShareColor(double share);
 
 // Returns the color of a fraction: viridis from 0 to the number of points of a cell.
 uint32_t FractionColor(uint32_t fraction, uint32_t points_of_cell);

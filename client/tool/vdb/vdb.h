@@ -61,7 +61,8 @@ class Vdb {
   virtual NewGrid NewVoxelGrid(const GridTransform& transform) const = 0;
   virtual NewGrid NewDistanceGrid(const GridTransform& transform, double width, bool is_signed, bool whole) const = 0;
   virtual NewGrid NewFieldGrids(const GridTransform& transform, const std::vector<Field>& fields,
-                                const std::vector<uint32_t>& fraction_labels) const = 0;
+                                const std::vector<uint32_t>& fraction_labels,
+                                const std::vector<Vec3i>& neighbors) const = 0;
 
   // As in client/grid/grid_stream.h, and, for a file that this process wrote, ReadGridContent.
   virtual absl::StatusOr<GridFileInfo> ReadInfo(std::istream& in, const std::string& path) const = 0;

@@ -54,8 +54,9 @@ class Module final : public Vdb {
     return New<DistanceGrid>(transform, width, is_signed, whole);
   }
   NewGrid NewFieldGrids(const GridTransform& transform, const std::vector<Field>& fields,
-                        const std::vector<uint32_t>& fraction_labels) const override {
-    return New<FieldGrids>(transform, fields, fraction_labels);
+                        const std::vector<uint32_t>& fraction_labels,
+                        const std::vector<Vec3i>& neighbors) const override {
+    return New<FieldGrids>(transform, fields, fraction_labels, neighbors);
   }
   absl::StatusOr<GridFileInfo> ReadInfo(std::istream& in, const std::string& path) const override {
     return ReadGridFileInfo(in, path);

@@ -20,6 +20,9 @@ function readVoxels() {
   return set;
 }
 
+// The number of a triangle that is not there: no link of the voxel is crossed. Likewise, the share is then not a number.
+const UNCROSSED = 0xffffffff;
+
 // Returns the values of each voxel: [name, a function from its number to text that copies in full].
 function readValues() {
   const values = bytesOf("values"), colors = bytesOf("paints"), count = data.voxels;
@@ -33,7 +36,8 @@ function readValues() {
     const from = at, view = new DataView(values.buffer), names = namesOf(name);
     at += 4 * count;
     const numberOf = kind === "float32" ? (voxel) => shortest(view.getFloat32(from + 4 * voxel, true)) : (voxel) => view.getUint32(from + 4 * voxel, true);
-    const named = (number) => (names[number] ? `${number} (${names[number]})` : String(number));
+    const isNone = (number) => Number.isNaN(number) || number === UNCROSSED;
+    const named = (number) => (isNone(number) ? "none" : names[number] ? `${number} (${names[number]})` : String(number));
     return [[name, (voxel) => named(numberOf(voxel))]];
   });
 }

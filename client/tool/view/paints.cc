@@ -16,8 +16,9 @@ constexpr size_t kMostEntries = 24;  // in a legend
 
 // Returns nothing for a field that gives no colors.
 std::optional<ColorBy> ByOf(Field field) {
-  for (const ColorBy by : {ColorBy::kPart, ColorBy::kMaterial, ColorBy::kColor, ColorBy::kDistance, ColorBy::kFraction,
-                           ColorBy::kLabelFractions}) {
+  for (const ColorBy by :
+       {ColorBy::kPart, ColorBy::kMaterial, ColorBy::kColor, ColorBy::kDistance, ColorBy::kLinks,
+        ColorBy::kLinkTriangles, ColorBy::kLinkCrossings, ColorBy::kFraction, ColorBy::kLabelFractions}) {
     if (absl::string_view(NameOf(by)) == NameOf(field)) return by;
   }
   return std::nullopt;
@@ -64,7 +65,7 @@ std::string FourBytesEach(const FieldValues& values) {
 void SetValues(const FieldValues& values, Paint& paint) {
   paint.is_mix = FactsOf(values.field).is_of_labels();
   if (paint.is_mix || values.field == Field::kColor) return;
-  paint.values = FourBytesEach(values);
+  paint.values = FourBytesEach(FactsOf(values.field).is_of_links() ? OneOfLinks(values) : values);
   paint.has_floats = FactsOf(values.field).type == NumberType::kFloat32;
 }
 

@@ -12,7 +12,8 @@
 
 namespace latvox::client {
 
-// Values are uint32 or, for "distance", float32, little-endian.
+// Values are uint32 or, for "distance" and "links", float32, little-endian. Fields of links have the numbers of
+// OneOfLinks.
 struct Paint {
   std::string name;                                         // of the field; for one label: "fraction_7 (lid)"
   std::string bytes;                                        // red, green, blue of each voxel, in order

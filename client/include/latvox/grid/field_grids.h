@@ -8,9 +8,14 @@
 //   "normal"                        a grid of three floats: x, y, z
 //   "fraction"                      a grid of 32-bit integers
 //   "fraction_7", ...               for label_fractions, a grid of 32-bit integers for each label
+//   "link_-1_0_1", ...              for links, a grid of floats for each neighbor: the shares of links that are crossed
+//   "link_triangle_-1_0_1", ...     for link_triangles, a grid of 32-bit integers for each neighbor
+//   "link_crossings_-1_0_1", ...    for link_crossings, likewise
 //
-// All have the same transform, metadata (with latvox_fields, their names, and latvox_part_digest and so on) and active
-// voxels. Elsewhere integers are -1, and floats 0. For a band with distances alone, see latvox/grid/distance_grid.h.
+// All have the same transform and metadata (with latvox_fields, their names, and latvox_part_digest and so on), and the
+// same active voxels. But in those of links, only voxels are active whose link to this neighbor is crossed. Elsewhere
+// integers are -1 (of link_crossings 0), and floats 0. For a band with distances alone, see
+// latvox/grid/distance_grid.h.
 #ifndef LATVOX_LATVOX_GRID_FIELD_GRIDS_H_
 #define LATVOX_LATVOX_GRID_FIELD_GRIDS_H_
 
@@ -26,14 +31,15 @@
 
 namespace latvox::client {
 
-// Grids that are being filled. Not thread-safe. Memory for each brick: about 2.5 KB for a field
-// with one number, 7 KB for others.
+// Grids that are being filled. Not thread-safe. Memory for each brick: about 2.5 KB for a field with one number or each
+// label, 7 KB for others. Fields of links have 4 bytes for each voxel and neighbor, and while they are written, one
+// more grid.
 class LATVOX_EXPORT FieldGrids {
  public:
   // Precondition: CheckGridTransform(transform) is OK.
-  //   fraction_labels   see Accepted
+  //   fraction_labels, neighbors   see Accepted
   FieldGrids(const GridTransform& transform, const std::vector<Field>& fields,
-             const std::vector<uint32_t>& fraction_labels = {});
+             const std::vector<uint32_t>& fraction_labels = {}, const std::vector<Vec3i>& neighbors = {});
   FieldGrids(FieldGrids&&) noexcept;             // the other one may then only be destroyed or assigned to
   FieldGrids& operator=(FieldGrids&&) noexcept;  // replaces this one
   ~FieldGrids();                                 // frees the grids

@@ -28,6 +28,7 @@ struct GridContent {
   bool is_band = false;                                   // the file has no set except the grid "distance"
   std::vector<FieldValues> fields = {};                   // of the voxels, in the order of kFields
   std::optional<DistanceRange> distances = std::nullopt;  // if Field::kDistance is among them
+  std::vector<Vec3i> neighbors = {};                      // as in Accepted, if a field of links is among them
 
   // Returns all bricks with their fields.
   BrickBatch Batch() const { return {file.bricks, 1, fields}; }

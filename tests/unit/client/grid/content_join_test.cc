@@ -102,6 +102,20 @@ TEST(ContentJoin, FieldsThatDiffer) {
             "b.vdb: its fields are absent, but part,fraction in a.vdb");
 }
 
+TEST(ContentJoin, NeighborsThatDiffer) {
+  PartContent a = ToPart("a.vdb", {}), b = ToPart("b.vdb", {});
+  a.content.fields = b.content.fields = {{Field::kLinks, {}, 2}};
+  a.content.neighbors = {{-1, 0, 2}, {1, 0, -2}};
+  b.content.neighbors = {{-1, 0, 0}, {1, 0, 0}};
+  EXPECT_EQ(JoinContents({a, b}, /*disjoint=*/false).status().message(),
+            "b.vdb: its fields are links to -1,0,0 1,0,0, but links to -1,0,2 1,0,-2 in a.vdb");
+  b.content.neighbors = a.content.neighbors;
+  const auto joined = JoinContents({a, b}, /*disjoint=*/false);
+  ASSERT_TRUE(joined.ok()) << joined.status();
+  EXPECT_EQ(joined->neighbors, a.content.neighbors);
+  EXPECT_EQ(joined->fields, a.content.fields);
+}
+
 TEST(ContentJoin, LabelsThatDiffer) {
   PartContent a = ToPart("a.vdb", {}), b = ToPart("b.vdb", {});
   a.content.fields = {{Field::kLabelFractions, {}, 0, {7, 3}}};

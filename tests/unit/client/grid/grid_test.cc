@@ -2,6 +2,7 @@
 
 #include <bit>
 #include <cmath>
+#include <limits>
 
 #include "client/grid/openvdb_trees.h"
 #include "latvox/error.h"
@@ -207,10 +208,17 @@ TEST_F(Grid, EveryFieldIsReadBackAsItWasWritten) {
   std::vector<FieldValues> fields;
   std::vector<Field> names;
   const std::vector<uint32_t> kLabels = {300, 7};
+  const std::vector<Vec3i> kNeighbors = {{-1, 0, 2}, {0, 0, -1}, {0, 0, 1}, {1, 0, -2}};
+  constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
   for (const FieldFacts& row : kFields) {
-    if (row.is_of_links()) continue;  // no grid holds them
     names.push_back(row.field);
-    if (row.type == NumberType::kFloat32) {
+    if (row.field == Field::kLinks) {
+      fields.push_back(ValuesOf<float>(row.field, {0.25F, kNone, 1, kNone, kNone, kNone, 0x1p-126F, kNone}));
+    } else if (row.field == Field::kLinkTriangles) {
+      fields.push_back(ValuesOf<uint32_t>(row.field, {0, ~0U, 0x7FFFFFFF, ~0U, ~0U, ~0U, 5, ~0U}));
+    } else if (row.field == Field::kLinkCrossings) {
+      fields.push_back(ValuesOf<uint32_t>(row.field, {1, 0, 3, 0, 0, 0, 2, 0}));
+    } else if (row.type == NumberType::kFloat32) {
       fields.push_back(ValuesOf<float>(row.field, {0.25F, -0.5F, 0.125F, 1, 0, 0.75F}));
     } else if (row.type == NumberType::kUint32) {
       fields.push_back(ValuesOf<uint32_t>(row.field, {9, 0x7FFFFFFF, 0, 0, 0, 0}));
@@ -220,9 +228,10 @@ TEST_F(Grid, EveryFieldIsReadBackAsItWasWritten) {
       fields.push_back(ValuesOf<uint8_t>(row.field, {0, 7, 255, 254, 1, 128}));
     }
     if (row.is_of_labels()) fields.back().labels = kLabels;
+    if (row.is_of_links()) fields.back().neighbors = kNeighbors.size();
     fields.back().bytes.resize(2 * fields.back().bytes_of_voxel());
   }
-  FieldGrids grids(kSkew, names, kLabels);
+  FieldGrids grids(kSkew, names, kLabels, kNeighbors);
   Certificate certificate;
   certificate.fields = {{Field::kLabelFractions, ""}};
   certificate.fraction_labels = kLabels;
@@ -234,6 +243,7 @@ TEST_F(Grid, EveryFieldIsReadBackAsItWasWritten) {
     const auto content = ReadGridContent(Path(name));
     ASSERT_TRUE(content.ok()) << content.status();
     EXPECT_EQ(content->fields, fields);
+    EXPECT_EQ(content->neighbors, kNeighbors);
     EXPECT_EQ(content->distances, (DistanceRange{0.5, true}));
     EXPECT_EQ(content->file.info.transform.basis, kSkew.basis);
     EXPECT_EQ(content->file.info.transform.origin, kSkew.origin);

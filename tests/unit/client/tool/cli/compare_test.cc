@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <map>
 #include <random>
 #include <set>
@@ -90,6 +91,29 @@ TEST(CompareValues, HoldsTheSameVoxelsAgainstEachOther) {
   const auto others = CompareValues(a, b).others;
   ASSERT_EQ(others.size(), 1u);
   EXPECT_EQ(others[0], std::make_pair(Field::kColor, uint64_t{1}));
+}
+
+TEST(CompareValues, CountsLinksThatAreCrossedInOneFileAlone) {
+  const std::set<Vec3i> voxels_a = {{0, 0, 0}, {0, 0, 1}, {9, 0, 0}}, voxels_b = {{0, 0, 1}, {9, 0, 0}, {9, 0, 1}};
+  constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+  GridContent a{{{}, ToBricks(voxels_a)}}, b{{{}, ToBricks(voxels_b)}};
+  a.neighbors = b.neighbors = {{0, 0, -1}, {0, 0, 1}};
+  a.fields = {ValuesOf<float>(Field::kLinks, {1, 1, 0.25F, kNone, 0.5F, kNone}),
+              ValuesOf<uint32_t>(Field::kLinkCrossings, {7, 7, 1, 0, 2, 0})};
+  b.fields = {ValuesOf<float>(Field::kLinks, {0.25F, 0.5F, 0.75F, kNone, kNone, kNone}),
+              ValuesOf<uint32_t>(Field::kLinkCrossings, {1, 1, 2, 0, 7, 7})};
+  for (GridContent* const each : {&a, &b}) {
+    for (FieldValues& values : each->fields) values.neighbors = 2;
+  }
+  const ValueDifference found = CompareValues(a, b);
+  ASSERT_TRUE(found.links.has_value());
+  EXPECT_EQ(found.links->in_one, 1u);
+  EXPECT_EQ(found.links->greatest, 0.25);
+  const std::vector<std::pair<Field, uint64_t>> others = {{Field::kLinks, 2}, {Field::kLinkCrossings, 1}};
+  EXPECT_EQ(found.others, others);
+  b.neighbors = {{-1, 0, 0}, {1, 0, 0}};
+  EXPECT_TRUE(CompareValues(a, b).others.empty());
+  EXPECT_FALSE(CompareValues(a, b).links.has_value());
 }
 
 TEST(CompareFields, TellsWhatOneSaysAndTheOtherDoesNot) {

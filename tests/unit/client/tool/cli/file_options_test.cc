@@ -81,7 +81,7 @@ TEST(FileOptions, ImagesHoldOneFieldAndCellsBoxes) {
   Refuses({"--resolution", "9", "--fields", "part,normal", "-o", "a.mha"},
           {"a.mha", "part,normal", ".vdb .nvdb .csv .npy .npz .ply .png .html .vti .vtu .cells.vtu .h5 can"});
   Refuses({"--resolution", "9", "--fields", "links", "-o", "a.vti"},
-          {"links", ".csv .npy .npz .ply .vtu .cells.vtu .h5 .links.csv .links.npz can"});
+          {"links", ".vdb .nvdb .csv .npy .npz .ply .png .html .vtu .cells.vtu .h5 .links.csv .links.npz can"});
   Refuses({"--resolution", "9", "--lattice", "bcc", "-o", "a.VTI"}, {"a.VTI", "--lattice cartesian", ".vtu"});
 }
 

@@ -71,6 +71,58 @@ TEST(ContentWire, TellsABand) {
   EXPECT_EQ(content->fields, band.fields);
 }
 
+GridContent WithLinks() {
+  GridContent content = Whole();
+  content.neighbors = {{-1, 0, 2}, {1, 0, -2}};
+  content.fields = {ValuesOf<float>(Field::kLinks, {0.5F, 1, std::nanf(""), 0.25F, 1, std::nanf("")}),
+                    ValuesOf<uint32_t>(Field::kLinkCrossings, {1, 2, 0, 1, 3, 0})};
+  for (FieldValues& values : content.fields) values.neighbors = 2;
+  content.distances.reset();
+  return content;
+}
+
+TEST(ContentWire, TellsLinks) {
+  const auto content = Read(Bytes(WithLinks()));
+  ASSERT_TRUE(content.ok()) << content.status();
+  EXPECT_EQ(content->fields, WithLinks().fields);
+  EXPECT_EQ(content->neighbors, WithLinks().neighbors);
+}
+
+TEST(ContentWire, BelievesNothingAboutLinks) {
+  const std::function<void(GridContent&)> lies[] = {
+      [](GridContent& c) { c.neighbors.clear(); },
+      [](GridContent& c) { c.neighbors.pop_back(); },
+      [](GridContent& c) { std::swap(c.neighbors[0], c.neighbors[1]); },
+      [](GridContent& c) { c.neighbors[1][2] = -1; },
+      [](GridContent& c) {
+        c.neighbors = {{0, 0, 0}, {0, 0, 0}};
+      },
+      [](GridContent& c) {
+        c.neighbors = {{INT32_MIN, 0, 0}, {INT32_MIN, 0, 0}};
+      },
+      [](GridContent& c) {
+        c.neighbors = {{-2, 0, 0}, {-1, 0, 0}, {1, 0, 0}, {2, 0, 0}};
+      },
+      [](GridContent& c) {
+        c.neighbors.clear();
+        for (int32_t n = -14; n <= 14; ++n) {
+          if (n != 0) c.neighbors.push_back({n, 0, 0});
+        }
+        for (FieldValues& values : c.fields) values.bytes.resize(size_t{3} * 28 * 4);
+      },
+      [](GridContent& c) {
+        c.fields[0] = ValuesOf<float>(Field::kLinks, {0.5F, 1, HUGE_VALF, 0.25F, 1, 1});
+      },
+      [](GridContent& c) { c.fields[0].bytes.pop_back(); },
+      [](GridContent& c) { c.fields[1].labels = {7}; },
+  };
+  for (const auto& lie : lies) {
+    GridContent content = WithLinks();
+    lie(content);
+    EXPECT_EQ(Read(Bytes(content)).status().code(), absl::StatusCode::kDataLoss) << &lie - lies;
+  }
+}
+
 TEST(ContentWire, TellsErrorsOfTwoKindsWithoutControlCharacters) {
   const auto bad = Read(Bytes(absl::InvalidArgumentError("a\x1b[1m.vdb: is bad"))).status();
   EXPECT_EQ(bad.code(), absl::StatusCode::kInvalidArgument);

@@ -1,5 +1,7 @@
 #include <gmock/gmock.h>
 
+#include <limits>
+
 #include "client/grid/openvdb_trees.h"
 #include "client/tool/output/labels.h"
 #include "client/tool/output/picture_scene.h"
@@ -62,6 +64,23 @@ TEST_F(Content, FieldsOfTheNearestTriangleGiveColors) {
               ElementsAre(PaletteColor(0), PaletteColor(0), PaletteColor(5), PaletteColor(7)));
   EXPECT_THAT(*ColorsOf(batch, traits, ColorBy::kPoint), ElementsAre(0xFF0000, 0x00FF00, 0x0000FF, 0x008080));
   EXPECT_THAT(*ColorsOf(batch, traits, ColorBy::kNormal), ElementsAre(0xFF8080, 0x008080, 0x80FF80, 0x808000));
+}
+
+TEST_F(Content, LinksGiveColorsByTheLeastShareTheFirstTriangleAndTheMostCrossings) {
+  constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+  constexpr uint32_t kGray = 0xBBBBBB;
+  std::vector<FieldValues> fields{ValuesOf<float>(Field::kLinks, {1, kNone, kNone, 0.5F, 0x1p-126F, 1, kNone, kNone}),
+                                  ValuesOf<uint32_t>(Field::kLinkTriangles, {3, ~0U, ~0U, 0, 13, 2, ~0U, ~0U}),
+                                  ValuesOf<uint32_t>(Field::kLinkCrossings, {1, 0, 0, 2, 4, 3, 0, 0})};
+  for (FieldValues& values : fields) values.neighbors = 2;
+  const BrickBatch batch{kBricks, 1, fields};
+  const VoxelTraits traits{{Field::kLinks, Field::kLinkTriangles, Field::kLinkCrossings}};
+  EXPECT_EQ(DefaultColorBy(traits), ColorBy::kNone);
+  EXPECT_THAT(*ColorsOf(batch, traits, ColorBy::kLinks), ElementsAre(0xFDE725, 0x21918C, 0x440154, kGray));
+  EXPECT_THAT(*ColorsOf(batch, traits, ColorBy::kLinkTriangles),
+              ElementsAre(PaletteColor(3), PaletteColor(0), PaletteColor(2), kGray));
+  EXPECT_THAT(*ColorsOf(batch, traits, ColorBy::kLinkCrossings),
+              ElementsAre(PaletteColor(1), PaletteColor(2), PaletteColor(4), kGray));
 }
 
 TEST_F(Content, FractionsGiveColorsByThePointsOfACell) {
