@@ -64,14 +64,13 @@ class LinkGrids(Case):
                     self.assertTrue(tables[0] == tables[1], source)
 
     def test_other_programs_read_the_crossed_links(self):
-        self.write(JOBS["BCC"], "a.vdb", "a.npz")
+        self.write([*JOBS["BCC"][:-1], "links"], "a.vdb", "a.npz")  # pyopenvdb has no integer grids
         with numpy.load(self.dir / "a.npz") as arrays:
             links, ijk, neighbors = arrays["links"], arrays["ijk"], arrays["neighbors"]
         grids = {grid.name: grid for grid in pyopenvdb.readAllGridMetadata(str(self.dir / "a.vdb"))}
         names = ["_".join(map(str, q)) for q in neighbors.tolist()]
-        kinds = ("link", "link_triangle", "link_crossings")
-        self.assertEqual(set(grids), {"voxels", *(f"{kind}_{name}" for kind in kinds for name in names)})
-        self.assertEqual(grids["link_1_0_0"]["latvox_fields"], FIELDS)
+        self.assertEqual(set(grids), {"voxels", *(f"link_{name}" for name in names)})
+        self.assertEqual(grids["link_1_0_0"]["latvox_fields"], "links")
         for n, name in enumerate(names):
             grid = pyopenvdb.read(str(self.dir / "a.vdb"), f"link_{name}")
             found = {value.min: value.value for value in grid.citerOnValues()}
