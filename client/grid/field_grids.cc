@@ -16,6 +16,11 @@
 #include "latvox/grid/voxel_grid.h"
 
 namespace latvox::client {
+namespace {
+
+absl::Status NotEnoughMemory() { return absl::ResourceExhaustedError("not enough memory for the OpenVDB grids"); }
+
+}  // namespace
 
 struct FieldGrids::Content {
   VoxelGrid voxels;
@@ -72,7 +77,7 @@ absl::Status FieldGrids::Add(const BrickBatch& batch) try {
   content_->AddLinks(batch);
   return content_->voxels.Add(batch);
 } catch (const std::bad_alloc&) {
-  return absl::ResourceExhaustedError("not enough memory for the OpenVDB grids");
+  return NotEnoughMemory();
 }
 
 void FieldGrids::SetRequest(const VoxelizeRequest& request, const MeshNote& note) {
@@ -102,12 +107,16 @@ void FieldGrids::SetMetadata(const std::vector<std::pair<std::string, std::strin
   for (const openvdb::GridBase::Ptr& grid : content_->grids) InsertTexts(metadata, *grid);
 }
 
-absl::Status FieldGrids::Write(const std::string& path) {
+absl::Status FieldGrids::Write(const std::string& path) try {
   return WriteGridFile(content_->All(), path, content_->Late());
+} catch (const std::bad_alloc&) {
+  return NotEnoughMemory();
 }
 
-absl::Status FieldGrids::WriteNano(const std::string& path) const {
+absl::Status FieldGrids::WriteNano(const std::string& path) const try {
   return WriteNanoFile(content_->All(), path, content_->Late());
+} catch (const std::bad_alloc&) {
+  return NotEnoughMemory();
 }
 
 }  // namespace latvox::client

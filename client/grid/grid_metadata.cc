@@ -48,6 +48,14 @@ void Place(const GridTransform& transform, openvdb::GridBase& grid) {
   Insert(grid, "latvox_origin", absl::StrJoin(transform.origin, ",", exactly));
 }
 
+void InsertMetadata(const openvdb::MetaMap& metadata, openvdb::GridBase& grid) {
+  for (auto each = metadata.beginMeta(); each != metadata.endMeta(); ++each) {
+    const bool is_own =
+        each->first == openvdb::GridBase::META_GRID_NAME || each->first == openvdb::GridBase::META_GRID_CLASS;
+    if (!is_own) grid.insertMeta(each->first, *each->second);
+  }
+}
+
 void Describe(const Certificate& certificate, openvdb::GridBase& grid) {
   Insert(grid, "latvox_lattice", certificate.lattice);
   Insert(grid, "latvox_digest", certificate.digest);

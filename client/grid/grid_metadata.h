@@ -18,6 +18,9 @@ std::string MetadataText(const openvdb::Metadata& metadata);
 // Sets the grid's transform, and the metadata about it.
 void Place(const GridTransform& transform, openvdb::GridBase& grid);
 
+// Inserts the metadata, except a grid's name and class, which are metadata, too.
+void InsertMetadata(const openvdb::MetaMap& metadata, openvdb::GridBase& grid);
+
 // Writes the certificate as metadata.
 void Describe(const Certificate& certificate, openvdb::GridBase& grid);
 

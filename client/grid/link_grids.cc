@@ -11,6 +11,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
+#include "client/grid/grid_metadata.h"
 #include "client/grid/grid_reading.h"
 #include "client/grid/tree_nodes.h"
 #include "latvox/for_each_voxel.h"
@@ -18,8 +19,8 @@
 namespace latvox::client {
 namespace {
 
-// The form of each field's grids: where the mesh does not cross a link, its voxel is not active. So files and memory
-// follow the crossed links, although a solid with links has mostly voxels without one.
+// The form of each field's grids: where the mesh does not cross a link, its voxel is not active. So files,
+// and the one grid in memory, follow the crossed links. A solid with links has mostly voxels without one.
 template <Field field>
 struct LinkForm;
 
@@ -69,15 +70,6 @@ openvdb::GridBase::Ptr NewLinkGrid(std::span<const Brick> bricks, const FieldVal
     });
   }
   return grid;
-}
-
-void Resemble(const openvdb::GridBase& like, openvdb::GridBase& grid) {
-  for (auto meta = like.beginMeta(); meta != like.endMeta(); ++meta) {
-    const bool is_own =
-        meta->first == openvdb::GridBase::META_GRID_NAME || meta->first == openvdb::GridBase::META_GRID_CLASS;
-    if (!is_own) grid.insertMeta(meta->first, *meta->second);
-  }
-  grid.setTransform(like.transform().copy());
 }
 
 // Adds the neighbor of a grid of the field. Ignores other names.
@@ -139,7 +131,7 @@ absl::StatusOr<FieldValues> ReadLinkField(GridArchive& archive, const std::strin
   return links;
 }
 
-// Fields of the same links are crossed in the same places.
+// Lists of links take the crossings of one field for those of all.
 absl::Status CheckSameLinks(const FieldValues& first, const FieldValues& links, const std::string& path) {
   const size_t all = first.bytes.size() / first.bytes_of_voxel() * first.neighbors;
   for (size_t n = 0; n < all; ++n) {
@@ -163,7 +155,8 @@ LateGrids LinkGrids(std::span<const Brick> bricks, std::span<const FieldValues> 
             const size_t neighbor = n % neighbors.size();
             const openvdb::GridBase::Ptr grid = WithLinkForm(
                 links.field, [&](auto form) { return NewLinkGrid<decltype(form)>(bricks, links, neighbor); });
-            Resemble(like, *grid);
+            InsertMetadata(like, *grid);
+            grid->setTransform(like.transform().copy());
             grid->setName(LinkName(links.field, neighbors[neighbor]));
             return grid;
           }};

@@ -11,6 +11,7 @@
 #include "client/grid/content_join.h"
 #include "client/grid/field_forms.h"
 #include "client/grid/grid_file.h"
+#include "client/grid/grid_metadata.h"
 #include "client/grid/link_grids.h"
 #include "client/grid/openvdb_trees.h"
 #include "client/grid/tree_nodes.h"
@@ -114,14 +115,9 @@ std::vector<openvdb::GridBase::Ptr> NewGrids(const GridContent& first, const Com
   return grids;
 }
 
-// The name and the class are metadata, too.
 void DescribeWhole(const CommonFacts& common, const JoinedContent& joined, const Digests& digests,
                    openvdb::GridBase& grid) {
-  for (auto each = common.metadata.beginMeta(); each != common.metadata.endMeta(); ++each) {
-    const bool is_own =
-        each->first == openvdb::GridBase::META_GRID_NAME || each->first == openvdb::GridBase::META_GRID_CLASS;
-    if (!is_own) grid.insertMeta(each->first, *each->second);
-  }
+  InsertMetadata(common.metadata, grid);
   grid.insertMeta("latvox_digest", openvdb::StringMetadata(digests.set.ToHex()));
   for (size_t n = 0; n < joined.fields.size(); ++n) {
     grid.insertMeta(DigestName(joined.fields[n].field), openvdb::StringMetadata(digests.fields[n].ToHex()));

@@ -19,11 +19,11 @@ namespace latvox {
 // all end with the same voxels (core/supercover/box_cells.h):
 // - A small one covers the voxels of its corners, and those of its box whose cells meet it.
 // - Most others are scanned as for k = 0, and the cells of their rims are tested.
-// - A few touch cells exactly. They go row by row, as all triangles do where cells are not boxes.
+// - A few touch cells exactly. They go row by row.
 // A voxel that is a member already is not tested, which does not change the union. On smooth surfaces most are.
 //
-// On most other lattices, all but large triangles are scanned, and the cells at their rims and beyond their planes are
-// tested (core/supercover/near_cells.h).
+// On most other lattices, most triangles are scanned, and the cells at their rims and beyond their planes are tested
+// (core/supercover/near_cells.h). The others go row by row.
 //
 // Reuses the memory of one node for the next.
 class CoverScan {

@@ -121,7 +121,7 @@ void IntegerCell::SetZones(std::vector<CellZone> zones) {
   for (const CellZone& zone : zones_) directions_.push_back(Apply(adjugate, zone.e));
 }
 
-// Its zones are p_r G^-1 e_r.
+// The cell's edges are p_r G^-1 e_r, and G^-1 is the adjugate over the determinant.
 std::optional<CellSegments> IntegerCell::Segments(int32_t most) const {
   Wide common = determinant_;
   std::vector<Vec<Wide, 3>> steps;

@@ -124,8 +124,8 @@ struct SomeTriangles {
     for (size_t m = 0; m < 3; ++m) {
       const Ints low = Least(v[0][m], v[1][m], v[2][m]), high = Most(v[0][m], v[1][m], v[2][m]);
       // The table's box begins at 0.
-      const Ints half_step = Fill(-scan.table.near.min[m]), top = Fill(scan.target.size[m] - 1);
-      const Ints first = hn::Sub(hn::Add(low, Fill(kLatticeUnit - 1)), half_step), last = hn::Add(high, half_step);
+      const Ints reach = Fill(-scan.table.near.min[m]), top = Fill(scan.target.size[m] - 1);
+      const Ints first = hn::Sub(hn::Add(low, Fill(kLatticeUnit - 1)), reach), last = hn::Add(high, reach);
       lowest[m] = hn::Max(hn::ShiftRight<kSubvoxelBits>(first), hn::Zero(d));
       highest[m] = hn::Min(hn::ShiftRight<kSubvoxelBits>(last), top);
       near = hn::And(near, hn::Not(hn::Gt(lowest[m], highest[m])));

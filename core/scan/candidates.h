@@ -34,13 +34,13 @@ namespace latvox {
 struct Candidates {
   // Up to kMaxRun triangles. Their entries end at these positions of the lists, and begin where the run before ends.
   struct Run {
-    uint32_t first;  // index in `triangles`
-    uint32_t crossed_end, rim_end;
+    uint32_t first;                 // index in `triangles`
+    uint32_t crossed_end, rim_end;  // in `farther` and in `rim`
   };
   static constexpr size_t kMaxRun = size_t{1} << (32 - kNumberBits);
 
   // Links along principal directions that a triangle crosses, from nearer[n], a voxel of the surface, to farther[n].
-  // For a supercover, `farther` has the voxels that may be a line's second one instead.
+  // For a supercover, `farther` has each voxel that may be the second of its line.
   NumberList nearer, farther;
   // Voxels on lattice lines that pass a triangle closely. A star decides whether the triangle contributes them.
   NumberList rim;
@@ -84,8 +84,8 @@ size_t FindCandidates(const SnappedMesh& mesh, std::span<const uint32_t> triangl
 // triangles is in `nearer`, or with that triangle in `farther` or `rim`. All of `nearer` have such cells.
 //   frames   of all neighbors whose cells meet
 //   most     the largest extent of a triangle, lattice units
-//   left     to these triangles, it does not apply: those with a larger extent or without area, and those that vectors
-//            cannot hold; all, in plain C++
+//   left     gets the triangles that this does not handle: larger ones, those without area, and those that vectors
+//            cannot hold. Plain C++ leaves all.
 // Precondition: core/supercover/near_cells.h applies to the cell, and voxels a step beyond the box have numbers, too.
 size_t FindCoverCandidates(const SnappedMesh& mesh, std::span<const uint32_t> triangles,
                            const std::vector<ScanFrame>& frames, const CellSegments& cell, int32_t most,

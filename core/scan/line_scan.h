@@ -110,7 +110,7 @@ struct FrameTable {
   std::array<Row, 3> q{};
   std::array<std::array<Row, 3>, 3> r{};
   std::array<std::array<Row, 3>, 2> u{};
-  std::array<Row, 2> rim{};  // lattice units by which a candidate's line may lie beside the triangle: for a, b
+  std::array<Row, 2> rim{};                         // lattice units beside the triangle where lines may be: for a, b
   std::array<Row, 2> first{}, last{};               // lines that meet the box: a, b
   std::array<std::array<Row, 2>, kMaxHull> hull{};  // for a supercover, the projections of the cell's steps
   NearBox near;

@@ -51,7 +51,7 @@ struct SeenTriangles {
   }
 };
 
-// 2 * parts * w: the sum of the steps, each in the direction in which it climbs along the normal.
+// 2 * parts * w / U: the sum of the steps, each in the direction in which it climbs along the normal.
 HWY_INLINE Ints3 CornerAlong(const NearCells::Constants& cell, const Ints3& normal) {
   Ints3 corner = Fill3({});
   for (const Vec3i& step : cell.steps) {
@@ -242,9 +242,9 @@ int MostBits(const NearCells::Constants& cell) {
     reach = std::max(reach, sum);
   }
   int bits = 0;
+  constexpr int64_t kEnd = int64_t{1} << 31;
   const auto fits = [&](int b) {
-    return (step * cell.denominator) << (2 * b + 1) < int64_t{1} << 31 && (reach * cell.numerator) << b < int64_t{1}
-                                                                                                              << 31;
+    return (step * cell.denominator) << (2 * b + 1) < kEnd && (reach * cell.numerator) << b < kEnd;
   };
   while (fits(bits + 1)) ++bits;
   return bits;

@@ -1,19 +1,21 @@
-// Triangles of up to some 30 voxels on lattices whose cells need not be boxes, such as BCC and FCC.
+// Triangles of up to 12 to 30 voxels, which depends on the cell, on lattices whose cells need not be boxes, such as BCC
+// and FCC.
 //
 // All triangles are scanned along their principal directions C, the q with the largest |n.q| among the neighbors whose
 // cells meet the cell of 0. Such a q has q/2 in the cell, because cell and neighbor meet in a set with the center q/2.
 // (1) A line that meets the triangle crosses it within C/2 of its nearest voxel z. So z is in the supercover.
 // (2) If the cell of c meets the triangle, the line of c passes the triangle within the cell's projection along C.
-// (3) Let h be the cell's extent along n. The cells that meet the plane have voxels within h of it. If h < |n.C|, these
+// (3) Let h be the largest n.x over the cell. The cells that meet the plane have voxels within h of it. If h < |n.C|,
+// these
 //     are at most two of each line: z, and the neighbor of z beyond the plane.
 // core/scan finds the lines within (2), their z, and a second voxel where h allows one. The z of (1) are decided. The
-// others are candidates, and only those that no other triangle has covered are asked, as pairs of voxel and triangle.
+// others are candidates. A pair of voxel and triangle is tested only if no other triangle has covered the voxel.
 //
 // A pair is decided in two steps.
 // - Let w be the corner of the cell with the largest n.w, which is h. If the voxel is within h of the plane, the line
 //   through it along w meets the plane within the cell. So its cell meets the triangle if that line does. Floats,
 //   with a bound of their error, find that.
-// - The others are asked for each separating axis, in integers (core/supercover/supercover.h).
+// - Integers test the others on each separating axis (core/supercover/supercover.h).
 #ifndef LATVOX_CORE_SUPERCOVER_NEAR_CELLS_H_
 #define LATVOX_CORE_SUPERCOVER_NEAR_CELLS_H_
 
@@ -46,10 +48,10 @@ class NearCells {
     std::vector<Facet> facets;
     std::array<std::array<int32_t, kFacets>, kMaxZones> weights{};  // of facets, for each zone, times the numerator
     int32_t numerator, denominator;                                 // U / (2 parts); products with g have the latter
-    float sure;  // a product of a moment and 2 * parts * w has the sign of its float if it is larger
+    float sure;  // a product of a moment and 2 * parts * w / U has the sign of its float if it is larger
   };
 
-  // Returns nullopt for cells of large integers, and for those that meet a neighbor without a frame.
+  // Returns nullopt for cells of large integers, and for those that meet a neighbor without a frame, if there are any.
   static std::optional<NearCells> Of(const IntegerCell& cell);
 
   const CellSegments& segments() const { return segments_; }

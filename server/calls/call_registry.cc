@@ -119,7 +119,7 @@ void CallRegistry::GiveTurns(const LiveCall* asking) {
       call = NextTurnLocked();
     }
     if (!call) return;
-    call->Work(call.get() == asking);
+    call.get() == asking ? call->WorkHere() : call->Work();
   }
 }
 

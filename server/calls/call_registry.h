@@ -22,9 +22,10 @@ class LiveCall {
   virtual ~LiveCall() = default;
   // Ends the call early with `status`. Returns at once; the call leaves the registry when it is over.
   virtual void Stop(const absl::Status& status) = 0;
-  // The call's turn has come, the first or another. Returns at once, or after a moment of work if `here`: then this
-  // thread has just called AwaitTurn for the call.
-  virtual void Work(bool here) = 0;
+  // The call's turn has come, the first or another. Returns at once.
+  virtual void Work() = 0;
+  // Does the same on the thread that has just called AwaitTurn for this call. It may compute for a moment.
+  virtual void WorkHere() { Work(); }
   // Called every few milliseconds while the call works. Ends it if its job has used up its time.
   virtual void Oversee() {}
   // Called regularly. Ends the call if its client has sent and taken next to nothing for `patience`.

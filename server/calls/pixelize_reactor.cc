@@ -12,7 +12,7 @@ PixelizeReactor::PixelizeReactor(grpc::CallbackServerContext& context, const v1:
       bytes_in_(request.ByteSizeLong()),
       memory_(environment.memory, environment.client) {}
 
-void PixelizeReactor::Work(bool /*here*/) {
+void PixelizeReactor::Work() {
   if (!BeginTask(began_)) return;
   WorkQueue& queue = LastsLong(request_) ? *Bulk() : environment_.quick;
   queue.Enqueue([self = ShareOf(*this)] { self->Compute(); });

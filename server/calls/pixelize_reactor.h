@@ -22,7 +22,7 @@ class PixelizeReactor final : public CallReactor<grpc::ServerUnaryReactor> {
   PixelizeReactor(grpc::CallbackServerContext& context, const v1::PixelizeRequest& request,
                   v1::PixelizeResponse& response, CallOrigin origin, const CallEnvironment& environment);
 
-  void Work(bool here) override;
+  void Work() override;
 
  private:
   absl::Status Check() const override { return CheckSize(request_, environment_.limits); }

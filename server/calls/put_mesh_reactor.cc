@@ -38,7 +38,7 @@ absl::Status PutMeshReactor::ReceivePiece(std::string&& piece) {
   return memory_.Grow(bytes_in_);
 }
 
-void PutMeshReactor::Work(bool /*here*/) {
+void PutMeshReactor::Work() {
   if (!BeginTask(ready())) return;
   WorkQueue& queue = upload_->size() > kLargeMeshBytes ? *Bulk() : environment_.quick;
   queue.Enqueue([self = ShareOf(*this), &queue] {

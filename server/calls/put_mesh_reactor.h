@@ -22,7 +22,7 @@ class PutMeshReactor final : public UploadCall<grpc::ServerReadReactor<v1::PutMe
   PutMeshReactor(grpc::CallbackServerContext& context, v1::PutMeshResponse& response, CallOrigin origin,
                  const CallEnvironment& environment);
 
-  void Work(bool here) override;
+  void Work() override;
 
  private:
   absl::StatusOr<bool> ReceiveSpec(const v1::PutMeshSpec& spec) override;

@@ -47,7 +47,7 @@ bool UploadMeshReactor::IsStored(const MeshSpec& mesh) {
   return true;
 }
 
-void UploadMeshReactor::Work(bool /*here*/) {
+void UploadMeshReactor::Work() {
   if (!BeginTask(began_)) return;
   WorkQueue& queue = complete_->mesh.bytes > kLargeMeshBytes ? *Bulk() : environment_.quick;
   queue.Enqueue([self = ShareOf(*this), &queue] {

@@ -22,7 +22,7 @@ class UploadMeshReactor final : public CallReactor<grpc::ServerUnaryReactor> {
   UploadMeshReactor(grpc::CallbackServerContext& context, v1::UploadMeshRequest& request,
                     v1::UploadMeshResponse& response, CallOrigin origin, const CallEnvironment& environment);
 
-  void Work(bool here) override;
+  void Work() override;
 
  private:
   absl::Status Check() const override { return CheckSize(request_, environment_.limits); }

@@ -2,6 +2,7 @@
 
 #include <oneapi/tbb/task_arena.h>
 
+#include <atomic>
 #include <utility>
 
 #include "server/base/milliseconds.h"
@@ -9,8 +10,25 @@
 namespace latvox {
 namespace {
 
-// Its digest takes a tenth of a millisecond.
+// To digest or copy it takes a tenth of a millisecond.
 constexpr uint64_t kTinyMeshBytes = uint64_t{64} << 10;
+
+// One of gRPC's threads may compute at a time, because all calls share these: two or more.
+class ComputingHere {
+ public:
+  ComputingHere() : is_alone_(!busy_.exchange(true)) {}
+  ~ComputingHere() {
+    if (is_alone_) busy_ = false;
+  }
+  ComputingHere(const ComputingHere&) = delete;
+  ComputingHere& operator=(const ComputingHere&) = delete;
+
+  bool is_alone() const { return is_alone_; }
+
+ private:
+  static inline std::atomic<bool> busy_ = false;
+  const bool is_alone_;
+};
 
 // Runs act() so that its parallel algorithms wake no other thread.
 template <class F>
@@ -52,7 +70,18 @@ absl::Status VoxelCall::CheckUpload() const {
   return may_be_kept_ && upload_->size() == 0 ? absl::OkStatus() : upload_->CheckComplete();
 }
 
-void VoxelCall::Work(bool here) {
+void VoxelCall::Work() {
+  here_ = false;
+  Begin();
+}
+
+void VoxelCall::WorkHere() {
+  const ComputingHere computing;
+  here_ = computing.is_alone() && upload_ && upload_->size() <= kTinyMeshBytes;
+  here_ ? RunAlone([this] { Begin(); }) : Begin();
+}
+
+void VoxelCall::Begin() {
   {
     const std::lock_guard lock(mu_);
     if (ended_) return;
@@ -60,8 +89,7 @@ void VoxelCall::Work(bool here) {
     working_ = true;
   }
   if (!upload_) return Enqueue();
-  here_ = here && upload_->size() <= kTinyMeshBytes;
-  if (here_) return RunAlone([this] { HandleMesh(environment_.quick); });
+  if (here_) return HandleMesh(environment_.quick);
   WorkQueue& digesting = upload_->size() > kLargeMeshBytes ? *Bulk() : environment_.quick;
   digesting.Enqueue([self = ShareOf(*this), &digesting] { self->HandleMesh(digesting); });
 }
@@ -76,6 +104,14 @@ void VoxelCall::HandleMesh(const WorkQueue& digesting) {
     decoding_ = decode = !ended_;
   }
   if (!decode) return ProceedFrom(digesting);
+  const uint64_t bytes = computation_->mesh_bytes();  // the mesh may be a stored one
+  if (!here_ || bytes <= kTinyMeshBytes) return Decode();
+  here_ = false;
+  WorkQueue& decoding = bytes > kLargeMeshBytes ? *Bulk() : environment_.quick;
+  decoding.Enqueue([self = ShareOf(*this)] { self->Decode(); });
+}
+
+void VoxelCall::Decode() {
   if (const auto decoded = computation_->DecodeAtOnce()) return OnDecoded(*decoded);
   here_ = false;
   computation_->Decode([self = ShareOf(*this)](const absl::Status& decoded) { self->OnDecoded(decoded); });
@@ -137,14 +173,15 @@ absl::StatusOr<bool> VoxelCall::ComputeSome(const WorkQueue& queue) {
   if (!std::exchange(measured_, true)) {
     const bool was_large = computation_->IsLarge();
     if (absl::Status status = computation_->Measure(); !status.ok()) return status;
-    if (computation_->IsLarge() != was_large) return false;  // it goes on in the other queue
+    const bool leaves = here_ && !computation_->IsTiny();
+    if (leaves || computation_->IsLarge() != was_large) return false;  // it goes on elsewhere
   }
   const auto deliver = [&](v1::VoxelizeResponse&& response) { return Deliver(std::move(response), queue); };
   if (!std::exchange(started_, true)) {
     absl::Status status = computation_->Start(deliver);
     return status.ok() ? absl::StatusOr<bool>(false) : status;
   }
-  return computation_->Advance(deliver, [&queue] { return queue.contended(); });
+  return computation_->Advance(deliver, [&] { return here_ || queue.contended(); });
 }
 
 bool VoxelCall::Deliver(v1::VoxelizeResponse&& response, const WorkQueue& queue) {

@@ -20,23 +20,24 @@ namespace latvox {
 // Life of a call:
 //   reading    spec, then pieces of the mesh, checked as they come            callbacks of gRPC
 //   waiting    for its turn                                                   in the registry; no thread is held
-//   computing  Computation::ReceiveMesh                                       a task
+//   computing  Computation::ReceiveMesh                                       a task, or the callback of a tiny job
 //   decoding   Computation::Decode                                            elsewhere; no thread of ours is held
 //   computing  Computation::Measure and Start, then Advance again and again   tasks of a queue, one at a time
 //   paused     kCredit bytes wait to be written; others have its turn         until half of them are written
 //   waiting    for another turn                                               as before; then computing goes on
 //   ended      a status is decided; Finish follows once no decode, task or write is under way
 //
-// Callbacks do not wait. They compute only jobs of some tenths of a millisecond, whose way to other threads and back
-// would cost more than the work. One write at most is under way. A decode holds a share of the object, as a task
-// does.
+// Callbacks do not wait. They compute only tiny jobs: by the estimate, of some tenths of a millisecond. The way to
+// other threads and back costs a tenth of these. One write at most is under way. A decode holds a share of the object,
+// as a task does.
 class VoxelCall : public MeshCall {
  public:
   // Bytes of finished messages that may wait for their write. gRPC and the kernel hold some 4 MiB more for a slow
   // client.
   static constexpr size_t kCredit = size_t{4} << 20;
 
-  void Work(bool here) override;
+  void Work() override;
+  void WorkHere() override;
   void Oversee() override;
   void EndIfStalled(absl::Duration patience) override;
 
@@ -75,7 +76,9 @@ class VoxelCall : public MeshCall {
 
   WorkQueue& QueueOfJob();
   bool GoesOn(const WorkQueue& queue);
+  void Begin();
   void HandleMesh(const WorkQueue& digesting);
+  void Decode();
   void OnDecoded(const absl::Status& status);
   void Enqueue();
   void Compute(const WorkQueue& queue);
@@ -90,7 +93,7 @@ class VoxelCall : public MeshCall {
   std::optional<RawMeshCheck> raw_mesh_;  // of the pieces, if they are plain arrays
   bool may_be_kept_ = false;              // a mesh that may be stored: it need not be sent
   v1::VoxelizeResponse writing_message_;  // the write under way; no thread touches it meanwhile
-  bool here_ = false;                     // the steps so far were those of Work's caller; of the tasks
+  bool here_ = false;                     // the thread that called WorkHere still computes; of the tasks
 
   // All below is guarded by mu_. computation_ is set once, and has its own rules for threads.
   std::unique_ptr<Computation> computation_;

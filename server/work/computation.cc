@@ -25,8 +25,9 @@ constexpr auto kSlice = std::chrono::milliseconds(20);
 
 constexpr double kLongMilliseconds = 50;
 
-// Estimates are several times as long as jobs take.
+// By the estimate. On a loaded core, such a job may take a few times as long.
 constexpr double kTinyMilliseconds = 0.5;
+constexpr double kMostTinyMilliseconds = 2;
 
 absl::Status BadResumePoint(const Vec3i& tile_ijk) {
   const std::string tile = absl::StrJoin(tile_ijk, ",");
@@ -116,7 +117,10 @@ absl::Status Computation::ReadRaw(const RawMeshLayout& layout) {
   });
 }
 
-bool Computation::IsTiny() const { return !large_ && !spec_.request.verify && facts_.estimated_ms < kTinyMilliseconds; }
+bool Computation::IsTiny() const {
+  return !large_ && !spec_.request.verify && facts_.estimated_ms < kTinyMilliseconds &&
+         facts_.voxelize_ms < kMostTinyMilliseconds;
+}
 
 std::optional<absl::Status> Computation::DecodeAtOnce() {
   if (spec_.raw_mesh) {

@@ -64,8 +64,8 @@ class Computation {
   // decode.
   bool IsLarge() const { return large_; }
 
-  // Whether the whole job takes some tenths of a millisecond, by the estimate so far. Call it after a successful
-  // decode.
+  // Whether the whole job takes some tenths of a millisecond, by the estimate and by its time so far. Call it after a
+  // successful decode.
   bool IsTiny() const;
 
   // Finds the grid, and estimates the job. Call it once, after a successful decode. Errors: as the contract; CANCELLED

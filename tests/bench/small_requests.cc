@@ -10,14 +10,15 @@
 #include <cstdint>
 #include <cstdio>
 #include <fstream>
-#include <iterator>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "absl/strings/cord.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/string_view.h"
 #include "latvox/v1/voxelizer.grpc.pb.h"
 #include "server/decode/mesh_store.h"
 #include "tests/bench/meshes.h"
@@ -111,7 +112,7 @@ Calls CallUntil(const Caller& caller, Clock::time_point end) {
   Calls calls;
   Clock::time_point now = Clock::now();
   while (calls.status.ok() && now < end) {
-    const Clock::time_point began = std::exchange(now, Clock::now());
+    const auto began = Clock::now();
     calls.status = caller.Call();
     now = Clock::now();
     calls.ms.push_back(std::chrono::duration<double, std::milli>(now - began).count());
@@ -134,7 +135,8 @@ int CallServer(const Options& options) {
     const grpc::Status status = callers.front()->Store(answer);
     if (!status.ok()) return Fail(status.error_message());
     std::ofstream file(options.answer, std::ios::binary);
-    if (!answer.SerializeToOstream(&file)) return Fail(absl::StrCat(options.answer, ": cannot be written"));
+    if (!answer.SerializeToOstream(&file) || !file.flush())
+      return Fail(absl::StrCat(options.answer, ": cannot be written"));
   }
   for (const auto& caller : callers) {  // connects
     if (const grpc::Status status = caller->Call(); !status.ok()) return Fail(status.error_message());
@@ -153,6 +155,7 @@ int CallServer(const Options& options) {
     if (!calls.status.ok()) return Fail(calls.status.error_message());
     ms.insert(ms.end(), calls.ms.begin(), calls.ms.end());
   }
+  if (ms.empty()) return Fail("no call was made in that time");
   std::sort(ms.begin(), ms.end());
   const nlohmann::json json{{"calls", ms.size()},
                             {"calls_per_second", static_cast<double>(ms.size()) / seconds},

@@ -79,6 +79,7 @@ def ask(directory):
             else:
                 for form in open_forms:
                     done = latvox("voxelize", directory / "none.obj", "-o", file_of(directory, form), *words(group, name, form))
+                    assert done.returncode in (USAGE, NO_MESH), (group, name, form, done.stderr)
                     accepted += [form] if done.returncode == NO_MESH else []
     return answers
 

@@ -138,10 +138,10 @@ class LinkGrids(Case):
     def test_compare_counts_links_that_differ(self):
         self.write(JOBS["D3Q7, a side"], "a.vdb", "a.nvdb")
         report = self.compare("a.vdb", "a.nvdb", 0)
-        self.assertEqual((report["values"], report["links"]), ({"links": 0}, {"in_one": 0, "greatest": 0}))
+        self.assertEqual((report["values"], report["links"]), ({"links": 0}, {"crossed_in_one": 0, "greatest": 0}))
         other = self.changed("a.vdb", 1)
         report = self.compare("a.vdb", other, 1)
-        self.assertEqual((report["equal"], report["values"], report["links"]["in_one"]), (False, {"links": 1}, 0))
+        self.assertEqual((report["equal"], report["values"], report["links"]["crossed_in_one"]), (False, {"links": 1}, 0))
         self.assertGreater(report["links"]["greatest"], 0)
         self.assertEqual(report["fields"], [])
         text = latvox("compare", self.dir / "a.vdb", self.dir / other).stdout
@@ -165,7 +165,7 @@ class LinkGrids(Case):
         differ = {link for link in crossed[0] ^ crossed[1] if link[:3] in both}
         report = self.compare("a.vdb", "b.vdb", 1)
         self.assertGreater(len(differ), 0)
-        self.assertEqual(report["links"]["in_one"], len(differ))
+        self.assertEqual(report["links"]["crossed_in_one"], len(differ))
         self.assertEqual(report["values"]["links"], len({link[:3] for link in differ}))
 
     def test_files_with_other_neighbors_differ(self):

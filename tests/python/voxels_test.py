@@ -7,6 +7,7 @@ import latvox
 import numpy as np
 import pytest
 from harness import BUNNY, box, octahedron, write_obj
+from harness import latvox as run_tool
 
 MESH = tuple(np.array(part, float if n == 0 else int) for n, part in enumerate(octahedron()))
 FIELDS = ["part", "distance", "triangle", "point", "normal"]
@@ -126,8 +127,6 @@ def test_links_have_a_column_for_each_neighbor(tmp_path):
     for field in fields:
         assert v[field].dtype == file[field].dtype and np.array_equal(v[field], file[field], equal_nan=field == "links")
     for extension in (".vdb", ".nvdb"):
-        from harness import latvox as run_tool
-
         v.save(tmp_path / f"v{extension}")
         done = run_tool("convert", tmp_path / f"v{extension}", "-o", tmp_path / "again.npz")
         assert done.returncode == 0 and (tmp_path / "again.npz").read_bytes() == (tmp_path / "v.npz").read_bytes(), done

@@ -109,6 +109,7 @@ inline bool CarriesLinks(std::span<const Field> fields) {
 inline std::string FractionName(uint32_t label) { return "fraction_" + std::to_string(label); }
 
 // Returns the name of a field of links in files, for one neighbor: "link_-1_0_1", "link_triangle_-1_0_1".
+// Precondition: it is a field of links.
 //   step   lattice vector to the neighbor
 inline std::string LinkName(Field field, const std::array<int32_t, 3>& step) {
   std::string name = field == Field::kLinkTriangles   ? "link_triangle"

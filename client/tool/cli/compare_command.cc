@@ -68,7 +68,7 @@ std::string ToJson(const Report& report, const std::vector<std::string>& outputs
     if (distances->at) json["distances"]["at"] = *distances->at;
   }
   if (const auto& links = report.values.links) {
-    json["links"] = {{"in_one", links->in_one}, {"greatest", links->greatest}};
+    json["links"] = {{"crossed_in_one", links->crossed_in_one}, {"greatest", links->greatest}};
   }
   for (const auto& [field, differ] : report.values.others) json["values"][NameOf(field)] = differ;
   if (!outputs.empty()) json["outputs"] = outputs;
@@ -102,8 +102,8 @@ std::string ToText(const Report& report, const CompareWords& words) {
   for (const auto& [field, differ] : report.values.others) {
     absl::StrAppend(&text, NameOf(field), ": ", differ, " of the voxels in both differ");
     if (field == Field::kLinks && differ > 0) {
-      absl::StrAppendFormat(&text, "; %d links are crossed in one alone, shares differ by %g at most",
-                            report.values.links->in_one, report.values.links->greatest);
+      absl::StrAppendFormat(&text, "; links crossed in one file alone: %d; greatest difference of shares: %g",
+                            report.values.links->crossed_in_one, report.values.links->greatest);
     }
     text += "\n";
   }

@@ -52,6 +52,8 @@ absl::Status Select(const std::vector<Field>& fields, const std::string& path, G
     if (values == nullptr) return absl::InvalidArgumentError(absl::StrCat(path, ": has no field ", NameOf(field)));
     selected.push_back(*values);
   }
+  const auto is_of_links = [](const FieldValues& values) { return FactsOf(values.field).is_of_links(); };
+  if (std::none_of(selected.begin(), selected.end(), is_of_links)) content.neighbors.clear();
   content.fields = std::move(selected);
   return absl::OkStatus();
 }

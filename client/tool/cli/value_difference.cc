@@ -36,7 +36,7 @@ void AddLinks(const CommonField& links, size_t m, size_t n, LinkDifference& foun
   for (size_t q = 0; q < neighbors; ++q) {
     const double difference = double{links.a->As<float>()[m * neighbors + q]} - links.b->As<float>()[n * neighbors + q];
     if (!std::isnan(difference)) found.greatest = std::max(found.greatest, std::abs(difference));
-    found.in_one += IsCrossed(*links.a, m * neighbors + q) != IsCrossed(*links.b, n * neighbors + q);
+    found.crossed_in_one += IsCrossed(*links.a, m * neighbors + q) != IsCrossed(*links.b, n * neighbors + q);
   }
 }
 

@@ -30,8 +30,8 @@ struct DistanceDifference {
 };
 
 struct LinkDifference {
-  uint64_t in_one = 0;  // number of links that are crossed in one file alone
-  double greatest = 0;  // greatest difference of shares where both are crossed
+  uint64_t crossed_in_one = 0;  // number of links that are crossed in one file alone
+  double greatest = 0;          // greatest difference of shares where both are crossed
 };
 
 // Compares the voxels that both files have.

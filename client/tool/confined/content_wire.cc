@@ -160,8 +160,13 @@ bool AreNeighbors(const std::vector<Vec3i>& neighbors) {
   return true;
 }
 
-// Links that the mesh does not cross have no finite share.
-bool IsFloatOf(Field field, float x) { return std::isfinite(x) || (field == Field::kLinks && std::isnan(x)); }
+// A link that the mesh does not cross has no share.
+bool IsFloatOf(Field field, float x) {
+  if (field == Field::kLinks) return std::isnan(x) || (x > 0 && x <= 1);
+  return std::isfinite(x);
+}
+
+bool IsOfLinks(const FieldValues& values) { return FactsOf(values.field).is_of_links(); }
 
 bool AreValues(const FieldValues& values, uint64_t voxels) {
   const FieldFacts& facts = FactsOf(values.field);
@@ -180,6 +185,7 @@ bool IsContent(const GridContent& content) {
   if (!AreFinite(info.transform) || info.active_box.has_value() != (info.active_voxels > 0)) return false;
   if (info.active_box && !IsBoxOf(content.file.bricks, *info.active_box)) return false;
   if (!AreNeighbors(content.neighbors)) return false;
+  if (content.neighbors.empty() == std::any_of(content.fields.begin(), content.fields.end(), IsOfLinks)) return false;
   const bool has_distances = FindField(content.fields, Field::kDistance) != nullptr;
   if (content.distances.has_value() != has_distances) return false;
   if (content.distances && !std::isfinite(content.distances->most)) return false;

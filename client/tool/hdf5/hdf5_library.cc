@@ -27,6 +27,9 @@ absl::StatusOr<const Hdf5*> LoadOnce() {
 #undef LATVOX_TEXT
   // At the end of the process, it would write files that a failed call has left.
   if (hdf5.H5dont_atexit() < 0 || hdf5.H5open() < 0) return missing("it does not start");
+  // Several files are written at once.
+  hbool_t is_threadsafe = false;
+  if (hdf5.H5is_library_threadsafe(&is_threadsafe) < 0 || !is_threadsafe) return missing("it is not thread-safe");
   // Filters of files could otherwise load libraries.
   if (hdf5.H5PLset_loading_state(0) < 0) return missing("H5PLset_loading_state");
 #define LATVOX_FIND(name)                                                             \

@@ -13,7 +13,7 @@ namespace latvox::client {
 // The functions that are used. A program that calls the library's own names would load it at its start.
 // clang-format off
 #define LATVOX_HDF5_FUNCTIONS(DO) \
-  DO(H5open) DO(H5dont_atexit) DO(H5Eset_auto2) DO(H5PLset_loading_state) DO(H5FDregister) DO(H5Fcreate) \
+  DO(H5open) DO(H5is_library_threadsafe) DO(H5dont_atexit) DO(H5Eset_auto2) DO(H5PLset_loading_state) DO(H5FDregister) DO(H5Fcreate) \
   DO(H5Fopen) DO(H5Fclose) DO(H5Gcreate2) DO(H5Gopen2) DO(H5Gclose) DO(H5Lexists) DO(H5Dcreate2) DO(H5Dopen2) \
   DO(H5Dclose) DO(H5Dset_extent) DO(H5Dwrite) DO(H5Dread) DO(H5Dget_space) DO(H5Acreate2) DO(H5Aopen) \
   DO(H5Aclose) DO(H5Awrite) DO(H5Aread) DO(H5Aget_space) DO(H5Aget_type) DO(H5Aiterate2) DO(H5Literate) \
@@ -32,7 +32,7 @@ namespace latvox::client {
 // Members have the library's names. Types are H5T_STD_U8LE_g and so on.
 struct Hdf5 {
   // Returns the library, which stays loaded. It prints no errors, and does nothing at the end of the process. Errors:
-  // FAILED_PRECONDITION: it is not installed, or another version. Thread-safe.
+  // FAILED_PRECONDITION: it is not installed, not thread-safe, or another version. Thread-safe.
   static absl::StatusOr<const Hdf5*> Load();
 
   // Keeps the library from printing errors on this thread, as Load does: each thread has its own setting.

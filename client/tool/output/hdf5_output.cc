@@ -104,7 +104,9 @@ class Hdf5Output final : public Output {
                                                       error_ != 0 ? std::strerror(error_) : "HDF5 fails", ")"));
   }
 
+  // On any thread: that of the destructor may be another one than those of Begin and Finish.
   void Close() {
+    if (hdf5_ != nullptr) hdf5_->SilenceThread();
     file_ = {};
     if (fd_ >= 0) close(fd_);
     fd_ = -1;

@@ -3,19 +3,39 @@
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/task_arena.h>
 
+#include <cstdint>
+#include <new>
+
+#include "deploy/process/exhaustion.h"
+
 namespace latvox::client {
+namespace {
+
+// Threads of oneTBB wait forever, or abort, where their stacks find no addresses.
+bool HasAddressesForThreads() {
+  constexpr uint64_t kForThreads = uint64_t{128} << 20;
+  return CheckAddresses(kForThreads).ok();
+}
+
+}  // namespace
 
 absl::Status ForAllAtOnce(const Outputs& outputs, const Cancellation& cancellation,
                           const std::function<absl::Status(Output&)>& step) {
   std::vector<absl::Status> ends(outputs.size());
-  tbb::parallel_for(size_t{0}, outputs.size(), [&](size_t n) {
-    if (cancellation.cancelled()) {
-      ends[n] = absl::CancelledError("cancelled");
-      return;
+  const auto run = [&](size_t n) {
+    try {
+      ends[n] = cancellation.cancelled() ? absl::CancelledError("cancelled") : step(*outputs[n]);
+    } catch (const std::bad_alloc&) {
+      ends[n] = absl::ResourceExhaustedError("not enough memory");
     }
-    // An output that waits for its own tasks would otherwise begin another output in the meantime, with its locks held.
-    tbb::this_task_arena::isolate([&] { ends[n] = step(*outputs[n]); });
-  });
+  };
+  if (outputs.size() < 2 || !HasAddressesForThreads()) {
+    for (size_t n = 0; n < outputs.size(); ++n) run(n);
+  } else {
+    // Isolated: an output that waits for its own tasks would otherwise begin another output in the meantime, with its
+    // locks held.
+    tbb::parallel_for(size_t{0}, outputs.size(), [&](size_t n) { tbb::this_task_arena::isolate([&] { run(n); }); });
+  }
   for (const absl::Status& end : ends) {
     if (!end.ok()) return end;
   }

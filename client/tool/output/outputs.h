@@ -17,7 +17,8 @@ using Outputs = std::vector<std::unique_ptr<Output>>;
 // Calls step(output) with all outputs, at once on at most as many threads as there are cores. Memory: what the outputs
 // take at the same time. Every step ends, whether others fail or not, so the error does not depend on threads: it is
 // that of the first output that has one. Steps that have not begun when the call is cancelled are left out.
-// Errors: CANCELLED; those of the steps.
+// Where a process may have few addresses, the outputs take turns. Errors: CANCELLED; RESOURCE_EXHAUSTED (memory); those
+// of the steps.
 absl::Status ForAllAtOnce(const Outputs& outputs, const Cancellation& cancellation,
                           const std::function<absl::Status(Output&)>& step);
 

@@ -160,8 +160,8 @@ class Renderer {
 
   void MakeFronts() {
     tbb::parallel_for(size_t{0}, fronts_.size(), [&](size_t n) {
-      if (!cancellation_.cancelled())
-        fronts_[n].emplace(scene_, n == 0 ? towards_ : ToScene(lights_[n - 1]), n == 0 ? 1 : 2);
+      if (cancellation_.cancelled()) return;
+      fronts_[n].emplace(scene_, n == 0 ? towards_ : ToScene(lights_[n - 1]), n == 0 ? 1 : 2);
     });
   }
 

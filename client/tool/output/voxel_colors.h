@@ -57,15 +57,15 @@ uint32_t PaletteColor(uint32_t number);
 // at the ends of the range.
 uint32_t DistanceColor(float distance, const DistanceRange& range);
 
-// Returns one number for each voxel: of its links that the mesh crosses, the least share, the smallest number of a
-// triangle, or the most crossings. Without such a link, it is as for a link that is not crossed.
+// Returns one number for each voxel: the least share, the smallest triangle or the most crossings of its crossed links.
+// A voxel without such a link has the value of an uncrossed one.
 FieldValues OneOfLinks(const FieldValues& links);
 
 // Returns whether the number, of OneOfLinks, tells that no link is crossed.
 bool IsUncrossed(ColorBy by, uint32_t number);
 
-// Returns the color of a number of a field of integers: a color is its own, the others have PaletteColor. Gray means
-// that no link is crossed.
+// Returns the color of a number of a field of integers. A color stays as it is. Other numbers get PaletteColor, or gray
+// if no link is crossed.
 uint32_t ColorOfNumber(ColorBy by, uint32_t number);
 
 // Returns the color of a share of a link or a cell: viridis from 0 to 1. NaN, for no crossed link, is gray.

@@ -46,8 +46,9 @@ VoxelFront::VoxelFront(const VoxelScene& scene, const Vec3d& towards, double squ
 void VoxelFront::AddCells(const VoxelScene& scene, double radius) {
   const double across = radius / square_;
   std::array<Vec3d, 512> places;
-  for (int32_t n = 0; n < 512; ++n)
+  for (int32_t n = 0; n < 512; ++n) {
     places[static_cast<size_t>(n)] = Project(scene.CenterOf({n >> 6, n >> 3 & 7, n & 7}));
+  }
   scene.ForEachOuterBrick([&](const Brick& brick) {
     const auto& [i, j, k] = brick.brick_ijk;
     const Vec3d first = Project(scene.CenterOf({8 * i, 8 * j, 8 * k}));

@@ -20,7 +20,7 @@ function readVoxels() {
   return set;
 }
 
-// The number of a triangle that is not there: no link of the voxel is crossed. Likewise, the share is then not a number.
+// Means that no link of the voxel is crossed: the number of its triangle. Its share is then NaN.
 const UNCROSSED = 0xffffffff;
 
 // Returns the values of each voxel: [name, a function from its number to text that copies in full].

@@ -12,9 +12,9 @@
 //   "link_triangle_-1_0_1", ...     for link_triangles, a grid of 32-bit integers for each neighbor
 //   "link_crossings_-1_0_1", ...    for link_crossings, likewise
 //
-// All have the same transform and metadata (with latvox_fields, their names, and latvox_part_digest and so on), and the
-// same active voxels. But in those of links, only voxels are active whose link to this neighbor is crossed. Elsewhere
-// integers are -1 (of link_crossings 0), and floats 0. For a band with distances alone, see
+// All have the same transform and metadata: with latvox_fields, their names, and latvox_part_digest and so on. A grid
+// of links has active voxels where the mesh crosses the link to its neighbor. All other grids have the voxels of the
+// set. Elsewhere integers are -1 (of link_crossings 0), and floats 0. For a band with distances alone, see
 // latvox/grid/distance_grid.h.
 #ifndef LATVOX_LATVOX_GRID_FIELD_GRIDS_H_
 #define LATVOX_LATVOX_GRID_FIELD_GRIDS_H_
@@ -32,12 +32,13 @@
 namespace latvox::client {
 
 // Grids that are being filled. Not thread-safe. Memory for each brick: about 2.5 KB for a field with one number or each
-// label, 7 KB for others. Fields of links have 4 bytes for each voxel and neighbor, and while they are written, one
-// more grid.
+// label, 7 KB for others. Fields of links have 4 bytes for each voxel and neighbor, three times as much while they
+// grow, and while they are written, one more grid.
 class LATVOX_EXPORT FieldGrids {
  public:
   // Precondition: CheckGridTransform(transform) is OK.
-  //   fraction_labels, neighbors   see Accepted
+  //   fraction_labels   see Accepted
+  //   neighbors         see Accepted; not empty if there is a field of links
   FieldGrids(const GridTransform& transform, const std::vector<Field>& fields,
              const std::vector<uint32_t>& fraction_labels = {}, const std::vector<Vec3i>& neighbors = {});
   FieldGrids(FieldGrids&&) noexcept;             // the other one may then only be destroyed or assigned to

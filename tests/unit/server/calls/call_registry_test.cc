@@ -21,9 +21,10 @@ using ::testing::HasSubstr;
 class FakeCall : public LiveCall {
  public:
   void Stop(const absl::Status& status) override { stopped = status; }
-  void Work(bool here) override {
+  void Work() override { ++turns; }
+  void WorkHere() override {
     ++turns;
-    here_turns += here ? 1 : 0;
+    ++here_turns;
   }
   void Oversee() override { ++looks; }
   void EndIfStalled(absl::Duration patience) override { patience_asked = patience; }

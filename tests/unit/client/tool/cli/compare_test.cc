@@ -107,7 +107,7 @@ TEST(CompareValues, CountsLinksThatAreCrossedInOneFileAlone) {
   }
   const ValueDifference found = CompareValues(a, b);
   ASSERT_TRUE(found.links.has_value());
-  EXPECT_EQ(found.links->in_one, 1u);
+  EXPECT_EQ(found.links->crossed_in_one, 1u);
   EXPECT_EQ(found.links->greatest, 0.25);
   const std::vector<std::pair<Field, uint64_t>> others = {{Field::kLinks, 2}, {Field::kLinkCrossings, 1}};
   EXPECT_EQ(found.others, others);

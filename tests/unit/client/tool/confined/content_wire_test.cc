@@ -113,6 +113,13 @@ TEST(ContentWire, BelievesNothingAboutLinks) {
       [](GridContent& c) {
         c.fields[0] = ValuesOf<float>(Field::kLinks, {0.5F, 1, HUGE_VALF, 0.25F, 1, 1});
       },
+      [](GridContent& c) {
+        c.fields[0] = ValuesOf<float>(Field::kLinks, {0.5F, 1, -5, 0.25F, 1, 1});
+      },
+      [](GridContent& c) {
+        c.fields[0] = ValuesOf<float>(Field::kLinks, {0.5F, 1, 1.5F, 0.25F, 1, 1});
+      },
+      [](GridContent& c) { c.fields.clear(); },
       [](GridContent& c) { c.fields[0].bytes.pop_back(); },
       [](GridContent& c) { c.fields[1].labels = {7}; },
   };

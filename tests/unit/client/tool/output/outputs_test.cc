@@ -1,10 +1,12 @@
 #include "client/tool/output/outputs.h"
 
 #include <gmock/gmock.h>
+#include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/task_arena.h>
 
 #include <atomic>
 #include <latch>
+#include <new>
 
 #include "absl/strings/str_cat.h"
 
@@ -34,6 +36,7 @@ Outputs Several(int count) {
 }
 
 TEST(Outputs, AreWrittenAtOnce) {
+  const tbb::global_control two_threads(tbb::global_control::max_allowed_parallelism, 2);  // also on one core
   tbb::task_arena two(2);
   two.execute([] {
     std::latch both(2);
@@ -54,6 +57,17 @@ TEST(Outputs, TheFirstErrorInTheirOrderIsReportedAndAllStepsEnd) {
   };
   EXPECT_EQ(ForAllAtOnce(Several(9), {}, fail), absl::FailedPreconditionError("1"));
   EXPECT_EQ(steps, 9);
+}
+
+TEST(Outputs, AStepWithoutMemoryIsAnErrorOfItsOwn) {
+  std::atomic<int> steps = 0;
+  const auto fail = [&steps](Output& output) {
+    ++steps;
+    if (NumberOf(output) == 1) throw std::bad_alloc();
+    return absl::OkStatus();
+  };
+  EXPECT_EQ(ForAllAtOnce(Several(4), {}, fail).code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_EQ(steps, 4);
 }
 
 TEST(Outputs, NoStepBeginsAfterACancellation) {

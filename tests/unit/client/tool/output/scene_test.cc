@@ -90,7 +90,11 @@ TEST(VoxelScene, RaysMeetTheCellThatBruteForceFinds) {
     for (const bool sealed : {false, true}) {
       if (sealed) scene.Seal();
       for (int n = 0; n < 150; ++n) {
-        const Vec3d direction = Unit({normal(chance), normal(chance), normal(chance)});
+        Vec3d direction = Unit({normal(chance), normal(chance), normal(chance)});
+        if (n % 5 == 0) {  // along an axis, exactly or nearly: most of these rays pass beside the box
+          direction = {n % 2 == 0 ? 0 : 1e-17, 0, 0};
+          direction[static_cast<size_t>(n / 5 % 3)] = n % 4 < 2 ? 1 : -1;
+        }
         const Vec3d near =
             Sum(scene.CenterOf(cells[chance() % cells.size()]), 1.2, {normal(chance), normal(chance), 0});
         const double before = n % 3 == 0 ? 5 : 300, reach = n % 4 == 0 ? before + 1 : 1e6;
@@ -265,9 +269,10 @@ TEST(Picture, ScenesHoldNoMoreThanThePictureTells) {
 TEST(Hollows, HideWhatTheSteepestRiseHides) {
   constexpr int kWide = 64;
   constexpr float kReach = 0.07F * kWide;
+  constexpr std::array<float, 3> kUp = {0, 0, 1}, kOblique = {0.4F, -0.3F, 0.87F}, kSteep = {0.9F, 0.1F, 0.4F};
   std::mt19937 chance(17);
   int dark = 0;
-  for (const float roughness : {1.0F, 8.0F}) {
+  for (const auto& [roughness, normal] : {std::pair(1.0F, kUp), {8.0F, kUp}, {2.0F, kOblique}, {8.0F, kSteep}}) {
     std::vector<float> depth(kWide * kWide);
     for (float& each : depth) {
       each = chance() % 8 == 0 ? kNoDepth : roughness * static_cast<float>(chance() % 1000) / 500;
@@ -286,14 +291,15 @@ TEST(Hollows, HideWhatTheSteepestRiseHides) {
           const int dx = static_cast<int>(std::lround(std::cos(angle) * distance));
           const int dy = static_cast<int>(std::lround(std::sin(angle) * distance));
           if (std::min(x + dx, y + dy) < 0 || std::max(x + dx, y + dy) >= kWide) continue;
-          const float rise = depth[static_cast<size_t>(n + dy * kWide + dx)] - here;
+          const float plane = (normal[0] * static_cast<float>(dx) - normal[1] * static_cast<float>(dy)) / normal[2];
+          const float rise = depth[static_cast<size_t>(n + dy * kWide + dx)] - here + plane;
           if (!(rise > 0)) continue;
           const float sine = rise / std::hypot(rise, distance);
           hidden = std::max(hidden, ShareOf(sine, 0.08F, 1) * ShareOf(rise, 3 * kReach, kReach));
         }
         sum += hidden;
       }
-      ASSERT_NEAR(hollows.Share(depth, x, y, {0, 0, 1}), sum / 8, 1e-5) << x << " " << y;
+      ASSERT_NEAR(hollows.Share(depth, x, y, normal), sum / 8 * ShareOf(normal[2], 0.1F, 0.5F), 1e-5) << x << " " << y;
       dark += sum > 2;
     }
   }
