@@ -72,16 +72,16 @@ absl::Status VoxelCall::CheckUpload() const {
 
 void VoxelCall::Work() {
   here_ = false;
-  Begin();
+  BeginWork();
 }
 
 void VoxelCall::WorkHere() {
   const ComputingHere computing;
   here_ = computing.is_alone() && upload_ && upload_->size() <= kTinyMeshBytes;
-  here_ ? RunAlone([this] { Begin(); }) : Begin();
+  here_ ? RunAlone([this] { BeginWork(); }) : BeginWork();
 }
 
-void VoxelCall::Begin() {
+void VoxelCall::BeginWork() {
   {
     const std::lock_guard lock(mu_);
     if (ended_) return;

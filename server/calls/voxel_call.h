@@ -76,7 +76,7 @@ class VoxelCall : public MeshCall {
 
   WorkQueue& QueueOfJob();
   bool GoesOn(const WorkQueue& queue);
-  void Begin();
+  void BeginWork();
   void HandleMesh(const WorkQueue& digesting);
   void Decode();
   void OnDecoded(const absl::Status& status);

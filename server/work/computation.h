@@ -53,7 +53,11 @@ class Computation {
   // stored mesh. Call it once. Errors: INVALID_ARGUMENT; NOT_FOUND if no such mesh is stored.
   absl::Status ReceiveMesh(MeshUpload upload);
 
-  // Decodes plain arrays, or finds the stored mesh. Nullopt: the mesh needs Decode. Errors: as MeshDecoder::Done.
+  // Returns the length of the encoded mesh. Call it after ReceiveMesh.
+  uint64_t mesh_bytes() const { return mesh_bytes_; }
+
+  // Decodes plain arrays, or finds the stored mesh. Returns nullopt if the mesh needs Decode. May copy the whole mesh.
+  // Errors: as MeshDecoder::Done.
   std::optional<absl::Status> DecodeAtOnce();
 
   // Starts to decode the mesh, and returns at once. Calls `decoded` exactly once, like MeshDecoder::Done; the
