@@ -20,11 +20,16 @@ std::string Corners(const Box& box) {
   return text.substr(1, text.size() - 2);
 }
 
+template <class Set>
+void AddLabels(const Set& set, Json& json) {
+  if (set.labels) json["labels"] = NameOf(*set.labels);
+  if (!set.priority.empty()) json["priority"] = set.priority;
+}
+
 void AddSolid(const Solid& solid, Json& json) {
   json["rule"] = NameOf(solid.rule);
   if (solid.force_open) json["force_open"] = true;
-  if (solid.labels) json["labels"] = NameOf(*solid.labels);
-  if (!solid.priority.empty()) json["priority"] = solid.priority;
+  AddLabels(solid, json);
 }
 
 void AddBand(const Band& band, Json& json) {
@@ -38,6 +43,7 @@ void AddBand(const Band& band, Json& json) {
 void AddEnclosed(const Enclosed& enclosed, Json& json) {
   if (enclosed.close > 0) json["close"] = enclosed.close;
   if (enclosed.leak_from) json["leak_from"] = *enclosed.leak_from;
+  AddLabels(enclosed, json);
 }
 
 void AddConnected(const Connected& connected, Json& json) {

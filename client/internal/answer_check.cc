@@ -290,6 +290,11 @@ absl::Status AnswerCheck::CheckSet(const Certificate& certificate) const {
   if (certificate.walk.has_value() != walks) {
     return Broken("a certificate ", walks ? "without" : "with", " facts about a walk");
   }
+  const auto* const enclosed = std::get_if<Enclosed>(&request_.set);
+  const bool has_labels = enclosed != nullptr && enclosed->labels;
+  if (certificate.walk && certificate.walk->labels.empty() == has_labels) {
+    return Broken("a certificate ", has_labels ? "without" : "with", " the walks of labels");
+  }
   if (certificate.band && certificate.band->width != BandWidth(*band, accepted_->grid)) {
     return Broken("a band of ", certificate.band->width, " instead of ", BandWidth(*band, accepted_->grid));
   }

@@ -5,7 +5,11 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
+#include <utility>
+#include <variant>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
@@ -93,6 +97,24 @@ Warning EmptyWhole(const Accepted& accepted, const Certificate& certificate) {
           ""};
 }
 
+// Names the labels that enclose nothing: the first ones, and how many more there are.
+std::optional<Warning> LabelsWithoutInside(const VoxelizeRequest& request, const WalkFacts& walk) {
+  constexpr size_t kMostNamed = 8;
+  std::vector<uint32_t> named;
+  size_t count = 0;
+  for (const LabelWalk& of_label : walk.labels) {
+    if (of_label.cavities > 0) continue;
+    if (++count <= kMostNamed) named.push_back(of_label.label);
+  }
+  if (count == 0) return std::nullopt;
+  const std::string more = count > named.size() ? absl::StrCat(" and ", count - named.size(), " more") : "";
+  return Warning{"LABEL_ENCLOSES_NOTHING",
+                 absl::StrCat(NameOf(*std::get<Enclosed>(request.set).labels), " ", absl::StrJoin(named, ", "), more,
+                              ": no lattice point is cut off; a leak from a point inside shows why, and close may "
+                              "close it"),
+                 "labels"};
+}
+
 double LongestSide(const MeshFacts& mesh) {
   double side = 0;
   for (size_t m = 0; m < 3; ++m) side = std::max(side, mesh.max[m] - mesh.min[m]);
@@ -107,6 +129,9 @@ std::vector<Warning> WarningsOf(const VoxelizeRequest& request, const Accepted& 
   if (summary.voxels == 0) {
     warnings.push_back(request.region || request.bounds ? EmptyBox(request, accepted)
                                                         : EmptyWhole(accepted, summary.certificate));
+  }
+  if (const auto& walk = summary.certificate.walk) {
+    if (auto warning = LabelsWithoutInside(request, *walk)) warnings.push_back(*std::move(warning));
   }
   const double side = LongestSide(accepted.mesh);
   if (!request.resolution && side < kFew * accepted.grid.voxel_size) {

@@ -12,6 +12,7 @@ namespace latvox::client {
 // Returns what is probably not meant in a result:
 //   EMPTY_RESULT   there is no voxel; the message gives the reason
 //   EMPTY_SHARD    a shard has no voxel; this is only a note
+//   LABEL_ENCLOSES_NOTHING   labels of an enclosed set cut no point off
 //   FEW_VOXELS     the longest side of the mesh is below four voxel sizes, as happens when millimeters are taken for
 //                  meters; not if the request states a resolution
 std::vector<Warning> WarningsOf(const VoxelizeRequest& request, const Accepted& accepted, const Summary& summary);

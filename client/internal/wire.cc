@@ -94,13 +94,18 @@ v1::Field ToProto(Field field) { return kFieldNumbers[static_cast<size_t>(field)
 void SetToProto(const Surface&, v1::VoxelizeSpec& spec) { spec.mutable_surface(); }
 void SetToProto(const Supercover&, v1::VoxelizeSpec& spec) { spec.mutable_supercover(); }
 
+template <class Set, class Message>
+void LabelsToProto(const Set& set, Message& out) {
+  if (set.labels) out.set_labels(ToProto(*set.labels));
+  out.mutable_priority()->Add(set.priority.begin(), set.priority.end());
+}
+
 void SetToProto(const Solid& solid, v1::VoxelizeSpec& spec) {
   v1::Solid& out = *spec.mutable_solid();
   out.set_rule(ToProto(solid.rule));
   out.set_surface(ToProto(solid.surface));
   out.set_force_open(solid.force_open);
-  if (solid.labels) out.set_labels(ToProto(*solid.labels));
-  out.mutable_priority()->Add(solid.priority.begin(), solid.priority.end());
+  LabelsToProto(solid, out);
 }
 
 void SetToProto(const Band& band, v1::VoxelizeSpec& spec) {
@@ -117,6 +122,7 @@ void SetToProto(const Enclosed& enclosed, v1::VoxelizeSpec& spec) {
   out.set_surface(ToProto(enclosed.surface));
   out.set_close(enclosed.close);
   if (enclosed.leak_from) *out.mutable_leak_from() = ToProto(*enclosed.leak_from);
+  LabelsToProto(enclosed, out);
 }
 
 void SetToProto(const Connected& connected, v1::VoxelizeSpec& spec) {
@@ -141,10 +147,19 @@ Leak FromProto(const v1::Leak& leak) {
   return out;
 }
 
-WalkFacts FromProto(const v1::WalkFacts& walk) {
-  return {.cavities = walk.cavities(),
-          .largest_cavities = {walk.largest_cavities().begin(), walk.largest_cavities().end()},
+LabelWalk FromProto(const v1::LabelWalk& walk) {
+  return {.label = walk.label(),
+          .cavities = walk.cavities(),
+          .points = walk.points(),
           .leak = walk.has_leak() ? std::optional(FromProto(walk.leak())) : std::nullopt};
+}
+
+WalkFacts FromProto(const v1::WalkFacts& walk) {
+  WalkFacts out{.cavities = walk.cavities(),
+                .largest_cavities = {walk.largest_cavities().begin(), walk.largest_cavities().end()},
+                .leak = walk.has_leak() ? std::optional(FromProto(walk.leak())) : std::nullopt};
+  for (const v1::LabelWalk& of_label : walk.labels()) out.labels.push_back(FromProto(of_label));
+  return out;
 }
 
 // Unknown fields are left out.

@@ -24,12 +24,12 @@ absl::Status CheckDistances(double size) {
                    "fields", absl::StrFormat("%g", size), absl::StrFormat("%g", size < kLeast ? kLeast : kMost));
 }
 
-// Where the labels of a labeled solid stand among the fields of the mesh.
+// Where the labels of a labeled set stand among the fields of the mesh.
 std::optional<size_t> PlaceOfLabels(const VoxelRequest& request) {
-  const Solid* const solid = request.solid();
-  if (solid == nullptr || !solid->labels) return std::nullopt;
+  const std::optional<LabelRequest> labels = request.labels();
+  if (!labels) return std::nullopt;
   const FieldList of_mesh = request.fields.OfMesh();
-  return static_cast<size_t>(std::ranges::find(of_mesh, *solid->labels) - of_mesh.begin());
+  return static_cast<size_t>(std::ranges::find(of_mesh, labels->field) - of_mesh.begin());
 }
 
 double LengthOf(const Vec3d& v) { return std::sqrt(Dot(v, v)); }
@@ -86,8 +86,9 @@ absl::StatusOr<FieldPlan> MakeFieldPlan(const VoxelRequest& request, const Latti
   const std::optional<size_t> label_place = PlaceOfLabels(request);
   const bool is_label_alone = label_place && nearest.size() == 1;
   const double farthest = FarthestVoxel(request, lattice, is_label_alone) / size * kLatticeUnit * kSlack;
-  const bool is_searched = !nearest.empty() && (has_band ? nearest != FieldList{Field::kDistance}
-                                                         : !is_label_alone || request.has_surface());
+  const bool all_have_labels = request.walk() != nullptr || !request.has_surface();  // each voxel of a labeled set
+  const bool is_searched =
+      !nearest.empty() && (has_band ? nearest != FieldList{Field::kDistance} : !is_label_alone || !all_have_labels);
   std::optional<Vec3i> near_reach;
   const bool are_numbers = request.fields.OfMesh() == nearest;
   if (is_searched && std::isfinite(farthest) && are_numbers) {

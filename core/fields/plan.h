@@ -22,7 +22,7 @@ struct FieldPlan {
   bool is_signed;     // distances are negative inside
   bool has_squares;   // tiles bring the squares of their voxels' distances: those of a band
   bool is_searched;   // fields need more than these squares, and more than labels
-  // For a labeled solid: where the labels stand in `of_mesh`. Points inside of a label have it for their number.
+  // For a labeled set: where the labels stand in `of_mesh`. Points inside of a label have it for their number.
   std::optional<size_t> label_place;
   bool is_label_alone;  // points inside of a label need no search
   Metric metric;

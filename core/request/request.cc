@@ -30,8 +30,9 @@ PointSet SetOf(const VoxelizeOptions& options) {
   if (const Links* links = std::get_if<Links>(&options.set)) return LinkSet{*links};
   const SurfaceSet surface = SurfaceOf(options);
   if (const auto* enclosed = std::get_if<Enclosed>(&options.set)) {
-    return WalkSet{std::nullopt, enclosed->leak_from, enclosed->close, false, enclosed->surface != SolidSurface::kNone,
-                   surface};
+    return WalkSet{
+        std::nullopt, enclosed->leak_from, enclosed->close,   false, enclosed->surface != SolidSurface::kNone,
+        surface,      enclosed->labels,    enclosed->priority};
   }
   if (const auto* connected = std::get_if<Connected>(&options.set)) {
     return WalkSet{connected->seed, std::nullopt, connected->close, connected->allow_outside, false, surface};
@@ -57,6 +58,16 @@ const WalkSet* VoxelRequest::walk() const { return std::get_if<WalkSet>(&set); }
 const Links* VoxelRequest::links() const {
   const auto* links = std::get_if<LinkSet>(&set);
   return links != nullptr ? &links->links : nullptr;
+}
+
+std::optional<LabelRequest> VoxelRequest::labels() const {
+  if (solid() != nullptr && solid()->labels) {
+    return LabelRequest{*solid()->labels, solid()->priority, "solid.labels", kMaxLabels};
+  }
+  if (walk() != nullptr && walk()->labels) {
+    return LabelRequest{*walk()->labels, walk()->priority, "enclosed.labels", kMaxWalkLabels};
+  }
+  return std::nullopt;
 }
 
 const SurfaceSet* VoxelRequest::surface() const {

@@ -14,6 +14,7 @@
 #include "core/request/algorithm.h"
 #include "core/request/band.h"
 #include "core/request/fields.h"
+#include "core/request/labels.h"
 #include "core/request/links.h"
 #include "core/request/options.h"
 #include "core/request/solid.h"
@@ -44,7 +45,9 @@ struct WalkSet {
   std::optional<Vec3d> leak_from;
   double close = 0;
   bool allow_outside = false, with_surface = false;
-  SurfaceSet surface;  // which the walk does not enter
+  SurfaceSet surface;                          // which the walk does not enter
+  std::optional<Field> labels = std::nullopt;  // each number of this field has its own set
+  std::vector<uint32_t> priority = {};         // of labels
 };
 
 // The ends of the links that a mesh crosses.
@@ -78,6 +81,8 @@ struct VoxelRequest {
   const Band* band() const;
   const WalkSet* walk() const;
   const Links* links() const;
+  // Nullopt unless the set is labeled. The view lives as long as the request.
+  std::optional<LabelRequest> labels() const;
   // The surface that is digitized, alone or for a solid or a walk; null for a band or links.
   const SurfaceSet* surface() const;
 

@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "absl/strings/str_cat.h"
+#include "core/request/solid.h"
 
 namespace latvox {
 namespace {
@@ -97,19 +98,28 @@ Found CheckFraction(const VoxelizeOptions& options) {
                 absl::StrCat(n), limit};
 }
 
+// The sets with labels have the same rules for them.
+template <class Set>
+constexpr const char* kNameOfSet = nullptr;
+template <>
+constexpr const char* kNameOfSet<Solid> = "solid";
+template <>
+constexpr const char* kNameOfSet<Enclosed> = "enclosed";
+
+template <class Set>
 Found CheckLabels(const VoxelizeOptions& options) {
-  const Solid* const solid = std::get_if<Solid>(&options.set);
-  if (solid == nullptr || !solid->labels) return std::nullopt;
-  const std::string name = NameOf(*solid->labels);
-  if (*solid->labels != Field::kPart && *solid->labels != Field::kMaterial) {
-    return Breach{"solid.labels", absl::StrCat("solid.labels ", name, " is neither part nor material"), name};
+  const auto* const set = std::get_if<Set>(&options.set);
+  if (set == nullptr || !set->labels) return std::nullopt;
+  const std::string name = NameOf(*set->labels), field = absl::StrCat(kNameOfSet<Set>, ".labels");
+  if (*set->labels != Field::kPart && *set->labels != Field::kMaterial) {
+    return Breach{field, absl::StrCat(field, " ", name, " is neither part nor material"), name};
   }
-  if (options.fields.Contains(*solid->labels)) return std::nullopt;
-  return Breach{"solid.labels", absl::StrCat("solid.labels ", name, ": needs ", name, " among fields"), name};
+  if (options.fields.Contains(*set->labels)) return std::nullopt;
+  return Breach{field, absl::StrCat(field, " ", name, ": needs ", name, " among fields"), name};
 }
 
 // A list of labels in `field`: at most `most`, each once.
-Found FindBadLabels(const char* field, const std::vector<uint32_t>& labels, size_t most) {
+Found FindBadLabels(const std::string& field, const std::vector<uint32_t>& labels, size_t most) {
   constexpr uint32_t kLargest = FactsOf(Field::kPart).largest;
   static_assert(kLargest == FactsOf(Field::kMaterial).largest);
   if (labels.size() > most) {
@@ -128,11 +138,13 @@ Found FindBadLabels(const char* field, const std::vector<uint32_t>& labels, size
   return Breach{field, absl::StrCat(field, " ", *twice, " occurs twice"), absl::StrCat(*twice)};
 }
 
+template <class Set>
 Found CheckPriority(const VoxelizeOptions& options) {
-  const Solid* const solid = std::get_if<Solid>(&options.set);
-  if (solid == nullptr || solid->priority.empty()) return std::nullopt;
-  if (!solid->labels) return Breach{"solid.priority", "solid.priority: needs solid.labels"};
-  return FindBadLabels("solid.priority", solid->priority, kMaxLabels);
+  const auto* const set = std::get_if<Set>(&options.set);
+  if (set == nullptr || set->priority.empty()) return std::nullopt;
+  const std::string field = absl::StrCat(kNameOfSet<Set>, ".priority");
+  if (!set->labels) return Breach{field, absl::StrCat(field, ": needs ", kNameOfSet<Set>, ".labels")};
+  return FindBadLabels(field, set->priority, kMaxLabels);
 }
 
 Found CheckFractionLabels(const VoxelizeOptions& options) {
@@ -157,8 +169,10 @@ constexpr std::array kValueRules{
     ValueRule{"connected", CheckConnected},
     ValueRule{"signed_distance", CheckSignedDistance},
     ValueRule{"fraction_n", CheckFraction},
-    ValueRule{"solid.labels", CheckLabels},
-    ValueRule{"solid.priority", CheckPriority},
+    ValueRule{"solid.labels", CheckLabels<Solid>},
+    ValueRule{"solid.priority", CheckPriority<Solid>},
+    ValueRule{"enclosed.labels", CheckLabels<Enclosed>},
+    ValueRule{"enclosed.priority", CheckPriority<Enclosed>},
     ValueRule{"fraction_labels", CheckFractionLabels},
 };
 

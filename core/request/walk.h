@@ -2,9 +2,12 @@
 #ifndef LATVOX_CORE_REQUEST_WALK_H_
 #define LATVOX_CORE_REQUEST_WALK_H_
 
+#include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "core/base/vec.h"
+#include "core/request/fields.h"
 #include "core/request/solid.h"
 
 namespace latvox {
@@ -17,10 +20,16 @@ namespace latvox {
 // between the two never meets the mesh, because reached points are farther than G/2 from it.
 
 // The points that no walk from outside of the mesh's box reaches.
+//
+// With labels, each label has the set of its own triangles alone. The set is the union of these. A point of several has
+// the label with the highest priority. What only several labels together cut off belongs to none.
 struct Enclosed {
   SolidSurface surface = SolidSurface::kSeparating;  // kNone leaves out the surface's voxels; not kSupercover
   double close = 0;                                  // G, world units, finite, at least 0
   std::optional<Vec3d> leak_from = std::nullopt;     // world: report a way from the point nearest to it to the outside
+  // As in Solid.
+  std::optional<Field> labels = std::nullopt;
+  std::vector<uint32_t> priority = {};
 };
 
 // The points that a walk from the lattice point nearest to `seed` reaches, within the mesh's box.

@@ -9,6 +9,7 @@
 #include <span>
 #include <utility>
 
+#include "core/brick/set_label_runs.h"
 #include "core/solid/balance.h"
 #include "core/solid/closed_rows.h"
 #include "core/solid/line_crossings.h"
@@ -137,17 +138,7 @@ class ClosedLabeledInterior : public Interior {
       }
     }
     rows.rows_ = std::move(taken);
-    SetRuns(rows.of_points_, rows.labels_);
-  }
-
-  static void SetRuns(std::span<const uint32_t> of_points, LabelRuns& labels) {
-    labels.clear();
-    for (size_t n = 0; n < of_points.size(); ++n) {
-      const auto k = static_cast<uint32_t>(n % kTileSide);
-      if (k == 0) labels.starts.push_back(static_cast<uint32_t>(labels.runs.size()));
-      if (k == 0 || of_points[n] != of_points[n - 1]) labels.runs.push_back({k, of_points[n]});
-    }
-    labels.starts.push_back(static_cast<uint32_t>(labels.runs.size()));
+    SetLabelRuns(rows.of_points_, rows.labels_);
   }
 
   std::map<uint32_t, int32_t> SumsAtCorner(const Vec3i& tile_ijk) const {

@@ -16,11 +16,11 @@ namespace {
 
 static_assert(kMaxLabels - 1 <= std::numeric_limits<uint16_t>::max());
 
-absl::Status TooMany(Field field) {
-  const std::string name = NameOf(field), limit = absl::StrCat(kMaxLabels);
-  return WithField(
-      absl::ResourceExhaustedError(absl::StrCat("solid.labels ", name, ": the mesh has more than ", limit, " labels")),
-      "solid.labels", name, limit);
+absl::Status TooMany(const LabelRequest& request) {
+  const std::string name = NameOf(request.field), limit = absl::StrCat(request.most);
+  return WithField(absl::ResourceExhaustedError(
+                       absl::StrCat(request.name, " ", name, ": the mesh has more than ", limit, " labels")),
+                   request.name, name, limit);
 }
 
 // Sorts labels by priority; the ranks of the labels as they stood before.
@@ -45,9 +45,9 @@ std::vector<uint16_t> Rank(std::span<const uint32_t> priority, std::vector<uint3
 
 }  // namespace
 
-absl::StatusOr<Labels> MakeLabels(const SnappedMesh& mesh, const Solid& solid, std::span<const uint32_t> of_vertices,
-                                  size_t stride, size_t place, StopSignal stop) {
-  Labels labels{*solid.labels, {}, {}};
+absl::StatusOr<Labels> MakeLabels(const SnappedMesh& mesh, const LabelRequest& request,
+                                  std::span<const uint32_t> of_vertices, size_t stride, size_t place, StopSignal stop) {
+  Labels labels{request.field, {}, {}};
   labels.of_triangles.reserve(mesh.triangles.size());
   absl::flat_hash_map<uint32_t, uint16_t> places;  // in labels.numbers
   uint32_t last = kNoLabel;                        // triangles of a label mostly follow each other
@@ -63,10 +63,10 @@ absl::StatusOr<Labels> MakeLabels(const SnappedMesh& mesh, const Solid& solid, s
     last = label;
     const auto [found, is_new] = places.try_emplace(label, static_cast<uint16_t>(places.size()));
     if (is_new) labels.numbers.push_back(label);
-    if (labels.numbers.size() > kMaxLabels) return TooMany(labels.field);
+    if (labels.numbers.size() > request.most) return TooMany(request);
     labels.of_triangles.push_back(found->second);
   }
-  const std::vector<uint16_t> ranks = Rank(solid.priority, labels.numbers);
+  const std::vector<uint16_t> ranks = Rank(request.priority, labels.numbers);
   for (uint16_t& rank : labels.of_triangles) rank = ranks[rank];
   return labels;
 }

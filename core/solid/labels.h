@@ -1,4 +1,4 @@
-// The labels of a mesh's triangles, for a labeled solid.
+// The labels of a mesh's triangles, for a labeled set.
 #ifndef LATVOX_CORE_SOLID_LABELS_H_
 #define LATVOX_CORE_SOLID_LABELS_H_
 
@@ -9,6 +9,8 @@
 
 #include "absl/status/statusor.h"
 #include "core/base/stop_signal.h"
+#include "core/request/fields.h"
+#include "core/request/labels.h"
 #include "core/request/solid.h"
 #include "core/snap/snap.h"
 
@@ -34,12 +36,11 @@ struct Labels {
 // The bytes of memory for each triangle, with the groups.
 inline constexpr uint64_t kLabelBytesPerTriangle = 8;
 
-// Errors: RESOURCE_EXHAUSTED if the triangles have more than kMaxLabels labels. Once stopped, the result is
+// Errors: RESOURCE_EXHAUSTED if the triangles have more than request.most labels. Once stopped, the result is
 // meaningless.
-//   solid        with labels
 //   of_vertices  the numbers of each vertex, `stride` of them; the labels' is at `place`
-absl::StatusOr<Labels> MakeLabels(const SnappedMesh& mesh, const Solid& solid, std::span<const uint32_t> of_vertices,
-                                  size_t stride, size_t place, StopSignal stop);
+absl::StatusOr<Labels> MakeLabels(const SnappedMesh& mesh, const LabelRequest& request,
+                                  std::span<const uint32_t> of_vertices, size_t stride, size_t place, StopSignal stop);
 
 // Returns the labels whose fractions voxels carry: those asked for, or all of the mesh, ascending, if none are. Errors:
 // RESOURCE_EXHAUSTED if all are more than kMostFractionLabels.

@@ -9,6 +9,7 @@
 #include <numbers>
 #include <type_traits>
 
+#include "absl/container/flat_hash_set.h"
 #include "core/snap/mesh_range.h"
 #include "core/voxelizer/world_box.h"
 
@@ -176,9 +177,7 @@ double VisitsOfThinning(double found, double most, const Needles& needles, const
 }
 
 // Points inside of a label need no search if the label is all that they carry.
-bool IsLabelAlone(const VoxelRequest& request) {
-  return request.solid() != nullptr && request.solid()->labels && request.fields.OfNearest().size() == 1;
-}
+bool IsLabelAlone(const VoxelRequest& request) { return request.labels() && request.fields.OfNearest().size() == 1; }
 
 // The search for the nearest triangles: an index of all triangles, and a walk through it for each voxel. Voxels far
 // from the mesh have many triangles at nearly the same distance.
@@ -255,15 +254,29 @@ double EstimateVoxels(const TriangleMesh& mesh, const MeshExtent& extent, const 
   return Delivered(voxels, grid, request);
 }
 
+double MostWalks(const TriangleMesh& mesh, const VoxelRequest& request) {
+  if (request.walk() == nullptr) return 0;
+  const std::optional<LabelRequest> labels = request.labels();
+  if (!labels) return 1;
+  const FieldList of_mesh = request.fields.OfMesh();
+  const auto place = static_cast<size_t>(std::ranges::find(of_mesh, labels->field) - of_mesh.begin());
+  absl::flat_hash_set<uint32_t> numbers;
+  for (size_t n = place; n < mesh.attributes.size() && numbers.size() < labels->most; n += of_mesh.size()) {
+    numbers.insert(mesh.attributes[n]);
+  }
+  return static_cast<double>(numbers.size());
+}
+
 // A plane meets up to three tiles for each of its area, and a mesh bends.
-double EstimateWallTiles(const MeshExtent& extent, const Grid& grid, const VoxelRequest& request) {
+double EstimateWallTiles(const MeshExtent& extent, const Grid& grid, const VoxelRequest& request, double walks) {
   constexpr double kTilesOfArea = 6, kFewTiles = 64;
   if (request.walk() == nullptr) return 0;
   const double side = kTileSide * grid.lattice.voxel_size();
   double in_box = 1;
   for (size_t m = 0; m < 3; ++m) in_box *= (extent.bounds.max[m] - extent.bounds.min[m]) / side + 2;
   const double thickness = 1 + request.walk()->close / side;
-  return std::min(kTilesOfArea * extent.area / (side * side) * thickness + kFewTiles, 2 * in_box * thickness);
+  return std::min(kTilesOfArea * extent.area / (side * side) * thickness + kFewTiles * walks,
+                  2 * in_box * thickness * walks);
 }
 
 // A line along k stands for a cell's volume over its length. Triangles face it in part, at most in full. Slivers meet
@@ -325,7 +338,9 @@ double EstimateVisits(const TriangleMesh& mesh, const MeshExtent& extent, const 
   const double ends = Delivered(found, grid, request);
   const double voxels = EstimateVoxels(mesh, extent, grid, request, stop);
   visits += VisitsOfLinks(mesh, ends, voxels, request) + VisitsOfFraction(mesh, ends, voxels, request);
-  if (IsLabelAlone(request)) return visits + (request.has_surface() ? VisitsOfFields(mesh, ends, request) : 0);
+  if (IsLabelAlone(request)) {  // each voxel of a labeled walk has a label
+    return visits + (request.has_surface() && request.walk() == nullptr ? VisitsOfFields(mesh, ends, request) : 0);
+  }
   return visits + VisitsOfFields(mesh, voxels, request);
 }
 

@@ -18,9 +18,6 @@
 namespace latvox {
 namespace {
 
-// A walk looks at blocks of 2^3 tiles in a cube with more tiles than 2^3 of these, which keep many threads busy.
-constexpr int kLeastLevelOfBlocks = 2;
-
 // The result of one unit, prepared so that the pipeline's last, serial stage has little to do.
 struct FinishedUnit {
   TileNode unit;
@@ -68,30 +65,25 @@ class ExactJob final : public VoxelizeJob {
   const std::unique_ptr<ExactPlan> plan_;
   UnitScheduler units_;
   const UnitScan scan_;
-  std::unique_ptr<const Interior> interior_;        // for a solid or what needs parity, once prepared
-  std::unique_ptr<const Interior> finer_interior_;  // for a fraction, once prepared
-  std::unique_ptr<const Walk> walk_;                // for a set that a walk decides, once prepared
+  Prepared prepared_;
   JobTotals totals_;
 };
 
 // The walk looks at the whole mesh, whatever part is delivered.
 absl::Status ExactJob::PrepareWalk() {
-  const ExactInput& input = plan_->input;
-  const TileContext context = plan_->Context(stop_.Signal());
-  const int level = TileCubeLevel(input.mesh.box) > kLeastLevelOfBlocks ? 1 : 0;
-  TileTree tree(input.mesh, level, plan_->near_margin, plan_->far_margin, input.mesh.box, stop_.Signal());
-  if (plan_->is_fine) tree.AddLinks(*plan_->links);
-  tree.KeepEmpty();
-  auto walk = Walk::Make(context, *input.walk, tree, units_.kept());
-  if (!walk.ok()) return walk.status();
-  walk_ = *std::move(walk);
-  plan_->facts.walk = walk_->facts();
-  units_.AddFilled(*walk_);
-  return absl::OkStatus();
+  const auto keep = [this](auto made, auto& kept) {
+    if (!made.ok()) return made.status();
+    kept = *std::move(made);
+    plan_->facts.walk = kept->facts();
+    units_.AddFilled(*kept);
+    return absl::OkStatus();
+  };
+  return plan_->labels ? keep(LabeledWalk::Make(*plan_, stop_.Signal()), prepared_.labeled_walk)
+                       : keep(MakeWalk(*plan_, units_.kept(), stop_.Signal()), prepared_.walk);
 }
 
 absl::Status ExactJob::Prepare() {
-  if (plan_->input.walk && !walk_) {
+  if (plan_->input.walk && !prepared_.walk && !prepared_.labeled_walk) {
     const CpuMeter::Scope scope(cpu_);
     if (absl::Status status = PrepareWalk(); !status.ok()) return status;
   }
@@ -100,10 +92,11 @@ absl::Status ExactJob::Prepare() {
 }
 
 absl::Status ExactJob::PrepareInterior() {
-  if (interior_ || (!plan_->solid && !plan_->NeedsParity())) return absl::OkStatus();
+  if (prepared_.interior || (!plan_->solid && !plan_->NeedsParity())) return absl::OkStatus();
   const CpuMeter::Scope scope(cpu_);
   if (!plan_->solid) {  // the mesh is closed
-    interior_ = MakeClosedInterior(plan_->input.mesh, InteriorRule::kParity, plan_->input.region, stop_.Signal());
+    prepared_.interior =
+        MakeClosedInterior(plan_->input.mesh, InteriorRule::kParity, plan_->input.region, stop_.Signal());
     return stop_.Stopped() ? absl::CancelledError("voxelization cancelled") : absl::OkStatus();
   }
   JobFacts& facts = plan_->facts;
@@ -113,22 +106,23 @@ absl::Status ExactJob::PrepareInterior() {
                                 : MakeInterior(mesh, *plan_->solid, facts.closed, plan_->input.region, stop_.Signal(),
                                                facts.interior_rule, facts.unbalanced_lines);
   if (!interior.ok()) return interior.status();
-  interior_ = *std::move(interior);
-  units_.AddFilled(*interior_);
+  prepared_.interior = *std::move(interior);
+  units_.AddFilled(*prepared_.interior);
   return absl::OkStatus();
 }
 
 // The mesh has an inside, because a job without one ends before.
 absl::Status ExactJob::PrepareFiner() {
-  if (finer_interior_ || !plan_->HasFraction()) return absl::OkStatus();
+  if (prepared_.finer || !plan_->HasFraction()) return absl::OkStatus();
   const CpuMeter::Scope scope(cpu_);
   const SnappedMesh& mesh = plan_->finer->mesh;
   const IndexBox points = FinerPointsOf(*plan_->input.fields->cell, *plan_->finer, plan_->input.region);
   const InteriorRule rule = plan_->solid ? plan_->facts.interior_rule : InteriorRule::kParity;
-  auto finer = plan_->labels ? MakeClosedLabeledInterior(mesh, *plan_->labels, rule, points, stop_.Signal())
-                             : MakeClosedInterior(mesh, rule, points, stop_.Signal());
+  auto finer = plan_->solid && plan_->labels
+                   ? MakeClosedLabeledInterior(mesh, *plan_->labels, rule, points, stop_.Signal())
+                   : MakeClosedInterior(mesh, rule, points, stop_.Signal());
   if (stop_.Stopped()) return absl::CancelledError("voxelization cancelled");
-  finer_interior_ = std::move(finer);
+  prepared_.finer = std::move(finer);
   return absl::OkStatus();
 }
 
@@ -145,7 +139,7 @@ size_t ExactJob::UnitsInFlight() const {
 FinishedUnit ExactJob::Finish(TileNode unit) const {
   const CpuMeter::Scope scope(cpu_);
   FinishedUnit finished{.unit = std::move(unit), .complete = false, .tiles = {}, .totals = {}};
-  finished.tiles = scan_.Scan(finished.unit, interior_.get(), finer_interior_.get(), walk_.get());
+  finished.tiles = scan_.Scan(finished.unit, prepared_);
   finished.complete = !scan_stop_.Stopped();
   if (!finished.complete) return finished;  // voxels may lack fields
   finished.totals.resize(finished.tiles.size());

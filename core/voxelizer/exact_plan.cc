@@ -67,7 +67,8 @@ bool NeedsAllTriangles(const ExactPlan& plan) {
 // Finds the links of tiny triangles, the remaining triangles, and the mesh's facts.
 SurfaceFacts SortOut(ExactPlan& plan, StopSignal creation) {
   const ExactInput& input = plan.input;
-  const bool may_be_fine = !input.supercover && !input.band;
+  // Each label of a labeled walk has a plan of its own.
+  const bool may_be_fine = !input.supercover && !input.band && !(input.walk && plan.labels);
   const Fineness fineness = may_be_fine ? FinenessOf(input.mesh, plan.scan_frames) : Fineness{};
   if (!fineness.few_touch && !fineness.most_tiny) return FactsOf(input.mesh, creation);
   const Vec3i margin = plan.Context({}).FarMargin();
@@ -110,6 +111,13 @@ absl::StatusOr<std::unique_ptr<ExactPlan>> MakeExactPlan(ExactInput asked, const
   plan->links = std::make_unique<TileLinks>(Shifted(input.mesh.box.min, kTileBits), MarginOfLinks(*plan));
   SetMargins(*plan);
   plan->has_large_tiles = input.band || input.fields;
+  if (const std::optional<LabelRequest> asked_labels = request.labels()) {
+    const FieldPlan& fields = *input.fields;
+    auto labels =
+        MakeLabels(input.mesh, *asked_labels, fields.of_vertices, fields.of_mesh.size(), *fields.label_place, creation);
+    if (!labels.ok()) return labels.status();
+    plan->labels = *std::move(labels);
+  }
   const SurfaceFacts surface = SortOut(*plan, creation);
   plan->facts = FactsOfJob(input.mesh, surface, input.region, input.bounds);
   if (input.band) plan->facts.band_width = input.band->width;
@@ -117,13 +125,6 @@ absl::StatusOr<std::unique_ptr<ExactPlan>> MakeExactPlan(ExactInput asked, const
     const FieldPlan& fields = *input.fields;
     plan->index = std::make_unique<TriangleIndex>(input.mesh, fields.metric, creation);
     if (fields.are_numbers) plan->index->SetNumbers(input.mesh, fields.of_vertices, fields.of_mesh.size(), creation);
-  }
-  if (plan->solid && plan->solid->labels) {
-    const FieldPlan& fields = *input.fields;
-    auto labels =
-        MakeLabels(input.mesh, *plan->solid, fields.of_vertices, fields.of_mesh.size(), *fields.label_place, creation);
-    if (!labels.ok()) return labels.status();
-    plan->labels = *std::move(labels);
   }
   if (input.fields && input.fields->fields.Contains(Field::kLabelFractions)) {
     auto labels = FractionLabelsOf(*plan->labels, request.fraction_labels);

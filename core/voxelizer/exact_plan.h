@@ -53,7 +53,7 @@ struct ExactPlan {
   ExactInput input;
   std::vector<ScanFrame> scan_frames;
   std::optional<Solid> solid;
-  std::optional<Labels> labels;               // of a labeled solid
+  std::optional<Labels> labels;               // of a labeled set
   std::optional<Links> link_ends;             // a set of these
   bool minimal = false;                       // whether to thin
   Vec3i reach{}, overlap{};                   // see TileContext

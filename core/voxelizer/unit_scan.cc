@@ -31,32 +31,29 @@ UnitScan::UnitScan(const ExactPlan& plan, const UnitScheduler& units, StopSignal
                  plan.finer ? &*plan.finer : nullptr, plan.facts.fraction_labels, stop),
       band_(MakeBandContext(plan, stop)) {}
 
-std::vector<TileBricks> UnitScan::Scan(const TileNode& unit, const Interior* interior, const Interior* finer,
-                                       const Walk* walk) const {
+std::vector<TileBricks> UnitScan::Scan(const TileNode& unit, const Prepared& prepared) const {
   std::vector<TileBricks> tiles;
-  Process(unit, interior, finer, walk, tiles);
+  Process(unit, prepared, tiles);
   return tiles;
 }
 
-void UnitScan::Process(const TileNode& node, const Interior* interior, const Interior* finer, const Walk* walk,
-                       std::vector<TileBricks>& out) const {
+void UnitScan::Process(const TileNode& node, const Prepared& prepared, std::vector<TileBricks>& out) const {
   if (context_.stop.Stopped() || units_.IsLeftOut(node)) return;
   if (!units_.tree().IsLeaf(node)) {
-    for (const TileNode& child : units_.tree().Children(node)) Process(child, interior, finer, walk, out);
+    for (const TileNode& child : units_.tree().Children(node)) Process(child, prepared, out);
     return;
   }
   const size_t first = out.size();
-  ScanLeaf(node, interior, walk, out);
+  ScanLeaf(node, prepared, out);
   if (plan_.input.bounds) Clip(*plan_.input.bounds, first, out);
   std::erase_if(out, [this](const TileBricks& tile) { return !units_.IsInSpan(tile.tile_ijk); });
-  fields_.Add(node.triangles, interior, std::span(out).subspan(first));
+  fields_.Add(node.triangles, prepared.interior.get(), std::span(out).subspan(first));
   links_.Add(node, std::span(out).subspan(first));
-  fractions_.Add(node.triangles, interior, finer, std::span(out).subspan(first));
+  fractions_.Add(node.triangles, prepared.interior.get(), prepared.finer.get(), std::span(out).subspan(first));
 }
 
 // A scan that was stopped in the middle of a block is not used again.
-void UnitScan::ScanLeaf(const TileNode& node, const Interior* interior, const Walk* walk,
-                        std::vector<TileBricks>& out) const {
+void UnitScan::ScanLeaf(const TileNode& node, const Prepared& prepared, std::vector<TileBricks>& out) const {
   if (band_) {
     std::unique_ptr<BandScan> scan = band_scans_.Reserve();
     TileBricks tile = scan->Scan(*band_, node.tile_ijk, node.triangles);
@@ -65,12 +62,19 @@ void UnitScan::ScanLeaf(const TileNode& node, const Interior* interior, const Wa
     if (!tile.bricks.empty()) out.push_back(std::move(tile));
     return;
   }
-  if (walk != nullptr) {
+  if (prepared.labeled_walk != nullptr) {
+    std::unique_ptr<LabeledWalkScan> scan = labeled_walk_scans_.Reserve();
+    prepared.labeled_walk->FindTile(context_, node, *scan, out);
+    if (!context_.stop.Stopped()) labeled_walk_scans_.Release(std::move(scan));
+    return;
+  }
+  if (prepared.walk != nullptr) {
     std::unique_ptr<WalkScan> scan = walk_scans_.Reserve();
-    walk->FindTiles(context_, node, *scan, out);
+    prepared.walk->FindTiles(context_, node, *scan, out);
     if (!context_.stop.Stopped()) walk_scans_.Release(std::move(scan));
     return;
   }
+  const Interior* const interior = prepared.interior.get();
   std::unique_ptr<BlockScan> scan = scans_.Reserve();
   if (plan_.link_ends) {
     FindLinksOfBlock(context_, node, interior, plan_.link_ends->side, *scan, out);

@@ -2,6 +2,7 @@
 #ifndef LATVOX_CORE_VOXELIZER_UNIT_SCAN_H_
 #define LATVOX_CORE_VOXELIZER_UNIT_SCAN_H_
 
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -17,10 +18,19 @@
 #include "core/solid/interior.h"
 #include "core/tree/tile_tree.h"
 #include "core/voxelizer/exact_plan.h"
+#include "core/voxelizer/labeled_walk.h"
 #include "core/voxelizer/unit_scheduler.h"
 #include "core/walk/walk.h"
 
 namespace latvox {
+
+// What a job prepares before its first tile. Null: the job does not need it.
+struct Prepared {
+  std::unique_ptr<const Interior> interior;         // of a solid, or that which decides on sides
+  std::unique_ptr<const Interior> finer;            // for a fraction: the same for the finer mesh
+  std::unique_ptr<const Walk> walk;                 // for a set that a walk decides
+  std::unique_ptr<const LabeledWalk> labeled_walk;  // for a labeled one
+};
 
 // Threads: Scan, any thread.
 class UnitScan {
@@ -30,19 +40,14 @@ class UnitScan {
   UnitScan(const ExactPlan& plan, const UnitScheduler& units, StopSignal stop);
 
   // Returns the unit's tiles that are delivered, in canonical order, in global coordinates.
-  //   interior   null, or that of a solid, or that which decides on sides
-  //   finer      null unless voxels carry a fraction: the same for the finer mesh
-  //   walk       null unless a walk decides on the set
-  std::vector<TileBricks> Scan(const TileNode& unit, const Interior* interior, const Interior* finer,
-                               const Walk* walk) const;
+  std::vector<TileBricks> Scan(const TileNode& unit, const Prepared& prepared) const;
 
   // Leaves the memory of blocks to later jobs. Precondition: no Scan runs.
   void LeaveMemory() const { scans_.Leave(); }
 
  private:
-  void Process(const TileNode& node, const Interior* interior, const Interior* finer, const Walk* walk,
-               std::vector<TileBricks>& out) const;
-  void ScanLeaf(const TileNode& node, const Interior* interior, const Walk* walk, std::vector<TileBricks>& out) const;
+  void Process(const TileNode& node, const Prepared& prepared, std::vector<TileBricks>& out) const;
+  void ScanLeaf(const TileNode& node, const Prepared& prepared, std::vector<TileBricks>& out) const;
 
   const ExactPlan& plan_;
   const UnitScheduler& units_;
@@ -54,6 +59,7 @@ class UnitScan {
   mutable ScanPool<BlockScan> scans_;
   mutable ScanPool<BandScan> band_scans_;
   mutable ScanPool<WalkScan> walk_scans_;
+  mutable ScanPool<LabeledWalkScan> labeled_walk_scans_;
 };
 
 }  // namespace latvox

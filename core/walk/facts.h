@@ -36,12 +36,23 @@ struct Leak {
   uint64_t box_points = 0;
 };
 
+// The facts of one of several labels.
+struct LabelWalkFacts {
+  uint32_t label = 0;
+  uint64_t cavities = 0, points = 0;  // points: of all cavities
+  std::optional<Leak> leak;           // of the point that the request names
+};
+
 struct WalkFacts {
-  uint64_t cavities = 0;          // connected sets of points that no walk from outside reaches
-  std::vector<uint64_t> largest;  // their numbers of points, descending: at most kMostCavities
-  std::optional<Leak> leak;       // of the point that the request names
+  uint64_t cavities = 0;               // connected sets of points that no walk from outside reaches
+  uint64_t points = 0;                 // of all of these
+  std::vector<uint64_t> largest;       // their numbers of points, descending: at most kMostCavities
+  std::optional<Leak> leak;            // of the point that the request names; not with labels
+  std::vector<LabelWalkFacts> labels;  // of a labeled set, ascending; then the members above are sums over these
 };
 inline constexpr size_t kMostCavities = 16;
+// The most labels of a request whose leaks are searched: those of the highest priority that come around the point.
+inline constexpr size_t kMostLeaks = 8;
 
 }  // namespace latvox
 

@@ -1,6 +1,17 @@
 #include "core/walk/pass.h"
 
+#include <cstring>
+
+#include "core/tile/cut_out.h"
+
 namespace latvox {
+
+TileBricks WalkScan::CutOut(const TileContext& context, const Vec3i& tile_ijk, const TileRows& points) {
+  static_assert(sizeof(TileRows) == size_t{kTileSide} * kTileSide * kTileSide / 8);
+  std::memcpy(bits.words().data(), points.data(), sizeof(TileRows));
+  const Vec3i low = tile_ijk * kTileSide;
+  return latvox::CutOut(BitsLayout(low, {}), bits, low, context.region, context.mesh.base_ijk);
+}
 
 bool WalkPass::HasLinksNear(const TileNode& node) const {
   if (context_.links.empty()) return false;

@@ -28,6 +28,9 @@ struct WalkScan {
   std::vector<WideRow> rows;
   TileRows reached;
   TileBits bits{BitsLayout({}, {}).Words()};  // of a delivered tile
+
+  // Returns the bricks of a tile with these points, as BlockVoxels::CutOut does.
+  TileBricks CutOut(const TileContext& context, const Vec3i& tile_ijk, const TileRows& points);
 };
 
 class WalkPass {

@@ -2,6 +2,7 @@
 #ifndef LATVOX_CORE_WALK_PLAN_H_
 #define LATVOX_CORE_WALK_PLAN_H_
 
+#include <cstddef>
 #include <optional>
 
 #include "absl/status/statusor.h"
@@ -9,6 +10,7 @@
 #include "core/base/vec.h"
 #include "core/lattice/grid.h"
 #include "core/request/request.h"
+#include "core/walk/packed_pieces.h"
 #include "core/walk/steps.h"
 
 namespace latvox {
@@ -21,6 +23,7 @@ struct WalkPlan {
   bool with_surface = false;      // the set has the surface's points, too
   std::optional<Vec3i> start;     // local, once the mesh is snapped: the seed, or the point whose leak is asked for
   Grid grid;                      // for messages and distances
+  size_t most_packed_bytes = kMostPackedBytes;
 };
 
 // Returns the lattice point nearest to a world position, the lexicographically first of several, as doubles have it. A

@@ -1,13 +1,12 @@
 #include "core/walk/walk.h"
 
 #include <algorithm>
-#include <cstring>
+#include <numeric>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "core/base/status_payload.h"
-#include "core/tile/cut_out.h"
 
 namespace latvox {
 namespace {
@@ -70,6 +69,7 @@ absl::Status Walk::Run(const TileContext& context, WalkPass& pass, const std::op
   graph_.Unite();
   const std::vector<uint64_t> volumes = graph_.Volumes();
   facts_.cavities = volumes.size();
+  facts_.points = std::accumulate(volumes.begin(), volumes.end(), uint64_t{0});
   facts_.largest.assign(volumes.begin(),
                         volumes.begin() + static_cast<ptrdiff_t>(std::min(volumes.size(), kMostCavities)));
   if (absl::Status status = FindStart(pass, kept, context.stop); !status.ok()) return status;
@@ -96,7 +96,7 @@ void Walk::Look(const Vec3i& tile_ijk, WalkScan& scan) {
 
 void Walk::KeepPacked(const Vec3i& tile_ijk, PackedPieces packed) {
   const std::lock_guard lock(kept_mutex_);
-  if (packed.empty() || packed_bytes_ + packed.size() > kMostPackedBytes) {
+  if (packed.empty() || packed_bytes_ + packed.size() > plan_.most_packed_bytes) {
     all_packed_ = false;
     return;
   }
@@ -207,6 +207,7 @@ void Walk::KeepReached(WalkPass& pass, const std::optional<std::vector<uint32_t>
     }
   }
   packed_ = {};
+  packed_bytes_ = 0;
 }
 
 // Keeps the reached points of a tile that has some, and others.
@@ -290,21 +291,23 @@ void Walk::FindRows(const Vec3i& tile_ijk, const WalkGraph::TileNodes* nodes, Wa
   }
 }
 
+void Walk::FindTile(const TileContext& context, const TileNode& node, const Vec3i& tile_ijk, WalkScan& scan,
+                    bool& has_walls) const {
+  const WalkGraph::TileNodes* const nodes = graph_.FindTile(tile_ijk);
+  const bool needs_walls = nodes != nullptr && NeedsWalls(tile_ijk);
+  if (needs_walls && !std::exchange(has_walls, true)) scan.walls.Scan(context, nullptr, node);
+  if (!context.stop.Stopped()) FindRows(tile_ijk, nodes, scan, context.stop, scan.reached);
+}
+
 void Walk::FindTiles(const TileContext& context, const TileNode& node, WalkScan& scan,
                      std::vector<TileBricks>& tiles) const {
   bool has_walls = false;
   const int32_t count = 1 << 3 * node.level;
   for (int32_t n = 0; n < count && !context.stop.Stopped(); ++n) {
     const Vec3i tile_ijk = node.tile_ijk + Vec3i{n >> 2 & 1, n >> 1 & 1, n & 1};
-    const WalkGraph::TileNodes* const nodes = graph_.FindTile(tile_ijk);
-    const bool needs_walls = nodes != nullptr && NeedsWalls(tile_ijk);
-    if (needs_walls && !std::exchange(has_walls, true)) scan.walls.Scan(context, nullptr, node);
+    FindTile(context, node, tile_ijk, scan, has_walls);
     if (context.stop.Stopped()) return;
-    FindRows(tile_ijk, nodes, scan, context.stop, scan.reached);
-    static_assert(sizeof(TileRows) == size_t{kTileSide} * kTileSide * kTileSide / 8);
-    std::memcpy(scan.bits.words().data(), scan.reached.data(), sizeof(TileRows));
-    TileBricks tile = CutOut(BitsLayout(tile_ijk * kTileSide, {}), scan.bits, tile_ijk * kTileSide, context.region,
-                             context.mesh.base_ijk);
+    TileBricks tile = scan.CutOut(context, tile_ijk, scan.reached);
     if (tile.bricks.empty()) continue;
     tile.progress = std::min(1.0, node.progress + node.share * (n + 1) / count);
     tiles.push_back(std::move(tile));

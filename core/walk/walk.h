@@ -44,11 +44,18 @@ class Walk : public FilledTiles {
 
   bool MayHold(const Vec3i& tile_ijk, int level) const override;
 
+  // Finds the set's points in one of the node's tiles: scan.reached.
+  //   has_walls   whether the scan has the node's walls already
+  void FindTile(const TileContext& context, const TileNode& node, const Vec3i& tile_ijk, WalkScan& scan,
+                bool& has_walls) const;
+
   // Appends the node's tiles that have voxels, as DigitizeBlock does.
   void FindTiles(const TileContext& context, const TileNode& node, WalkScan& scan,
                  std::vector<TileBricks>& tiles) const;
 
   const WalkFacts& facts() const { return facts_; }
+  // Bytes of the pieces that it keeps: at most most_packed_bytes of the plan.
+  size_t packed_bytes() const { return packed_bytes_; }
 
  private:
   Walk(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames, const WalkPlan& plan, int level);

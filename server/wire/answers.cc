@@ -83,6 +83,13 @@ void WalkToProto(const WalkFacts& walk, v1::WalkFacts& out) {
   out.set_cavities(walk.cavities);
   for (const uint64_t points : walk.largest) out.add_largest_cavities(points);
   if (walk.leak) LeakToProto(*walk.leak, *out.mutable_leak());
+  for (const LabelWalkFacts& facts : walk.labels) {
+    v1::LabelWalk& of_label = *out.add_labels();
+    of_label.set_label(facts.label);
+    of_label.set_cavities(facts.cavities);
+    of_label.set_points(facts.points);
+    if (facts.leak) LeakToProto(*facts.leak, *of_label.mutable_leak());
+  }
 }
 
 // A field without a tile has the digest of nothing.

@@ -46,20 +46,25 @@ absl::StatusOr<GridRequest> GridFromProto(const v1::VoxelizeSpec& spec) {
   return request.ok() ? std::move(request) : WithCauseOfCore(request.status(), FieldNamesOf(spec));
 }
 
+// Writes the labels of a set, and their priority. Errors: INVALID_ARGUMENT, naming the set's field.
+template <class Message, class Set>
+absl::Status LabelsFromProto(const Message& message, const char* field, Set& set) {
+  set.priority.assign(message.priority().begin(), message.priority().end());
+  if (message.labels() == v1::FIELD_UNSPECIFIED) return absl::OkStatus();
+  const absl::StatusOr<Field> labels = Meaning(kFieldNumbers, message.labels(), field, "a field");
+  if (!labels.ok()) return labels.status();
+  set.labels = *labels;
+  return absl::OkStatus();
+}
+
 absl::StatusOr<SetOption> SolidFromProto(const v1::Solid& solid) {
   const absl::StatusOr<InteriorRule> rule = Meaning(kInteriorRuleNumbers, solid.rule(), "solid.rule", "a rule");
   if (!rule.ok()) return rule.status();
   const absl::StatusOr<SolidSurface> surface =
       Meaning(kSolidSurfaceNumbers, solid.surface(), "solid.surface", "a surface");
   if (!surface.ok()) return surface.status();
-  Solid out{.rule = *rule,
-            .surface = *surface,
-            .force_open = solid.force_open(),
-            .priority = {solid.priority().begin(), solid.priority().end()}};
-  if (solid.labels() == v1::FIELD_UNSPECIFIED) return out;
-  const absl::StatusOr<Field> labels = Meaning(kFieldNumbers, solid.labels(), "solid.labels", "a field");
-  if (!labels.ok()) return labels.status();
-  out.labels = *labels;
+  Solid out{.rule = *rule, .surface = *surface, .force_open = solid.force_open()};
+  if (absl::Status status = LabelsFromProto(solid, "solid.labels", out); !status.ok()) return status;
   return out;
 }
 
@@ -87,6 +92,7 @@ absl::StatusOr<SetOption> EnclosedFromProto(const v1::Enclosed& enclosed) {
   if (!surface.ok()) return surface.status();
   Enclosed set{.surface = *surface, .close = enclosed.close()};
   if (enclosed.has_leak_from()) set.leak_from = FromProto(enclosed.leak_from());
+  if (absl::Status status = LabelsFromProto(enclosed, "enclosed.labels", set); !status.ok()) return status;
   return set;
 }
 

@@ -195,13 +195,14 @@ JobEstimate Computation::EstimateJob(const TriangleMesh& mesh, double voxels) co
   const Solid* const solid = spec_.request.solid();
   const bool keeps_crossings = solid != nullptr && solid->force_open;
   const double crossings = keeps_crossings ? EstimateLineCrossings(mesh, *grid_, stop_.Signal()) : 0;
-  const bool walks = spec_.request.walk() != nullptr;
+  const double walks = MostWalks(mesh, spec_.request);
   return {voxels,
           crossings,
           source_.bounds,
           grid_->lattice.voxel_size(),
-          EstimateWallTiles(mesh_of_job().extent, *grid_, spec_.request),
-          walks ? MostPointsIn(*grid_, source_.bounds) : 0};
+          walks,
+          EstimateWallTiles(mesh_of_job().extent, *grid_, spec_.request, walks),
+          walks > 0 ? MostPointsIn(*grid_, source_.bounds) : 0};
 }
 
 // Verification counts without tiles, and takes some twenty times as long as the scan.

@@ -9,6 +9,7 @@
 #include "core/solid/interior.h"
 #include "core/solid/labeled_interior.h"
 #include "core/solid/labels.h"
+#include "core/voxelizer/labeled_walk.h"
 #include "core/walk/facts.h"
 #include "core/walk/packed_pieces.h"
 
@@ -101,7 +102,9 @@ uint64_t JobMemory::BytesOf(uint64_t triangles, uint64_t vertices) const {
   const uint64_t of_thread = (request_.fields.empty() ? 0 : kFieldThreadBytes) + kFieldThreadVoxels * small +
                              kLargeFieldThreadVoxels * large + (has_fraction ? kFractionThreadBytes : 0) +
                              FractionLabels() * kLabelFractionThreadBytes;
-  const uint64_t of_triangle = SearchBytesPerTriangle(nearest) + (IsLabeled() ? kLabelBytesPerTriangle : 0);
+  const bool is_labeled = request_.labels().has_value();
+  const uint64_t of_triangle = SearchBytesPerTriangle(nearest) + (is_labeled ? kLabelBytesPerTriangle : 0) +
+                               (is_labeled && request_.walk() != nullptr ? kLabeledWalkBytesPerTriangle : 0);
   return kStreamBytes + threads_ * (kThreadBytes + of_thread) + triangles * (kBytesPerTriangle + of_triangle) +
          vertices * (kBytesPerVertex + request_.fields.OfMesh().size() * kBytesPerMeshField +
                      (has_fraction ? kFractionBytesPerVertex : 0));
@@ -110,7 +113,7 @@ uint64_t JobMemory::BytesOf(uint64_t triangles, uint64_t vertices) const {
 // More for a job that finds the inside.
 uint64_t JobMemory::BytesOfSolid(double line_crossings) const {
   if (request_.solid() == nullptr && !request_.signed_distance && request_.fraction_n == 0) return 0;
-  if (!IsLabeled()) return threads_ * kSolidThreadBytes + ToBytes(line_crossings * kBytesPerLineCrossing);
+  if (!request_.labels()) return threads_ * kSolidThreadBytes + ToBytes(line_crossings * kBytesPerLineCrossing);
   return threads_ * (kSolidThreadBytes + kLabelThreadBytes) + ToBytes(line_crossings * kBytesPerLabeledCrossing);
 }
 
@@ -120,10 +123,8 @@ uint64_t JobMemory::FractionLabels() const {
   return request_.fraction_labels.empty() ? kMostFractionLabels : request_.fraction_labels.size();
 }
 
-bool JobMemory::IsLabeled() const { return request_.solid() != nullptr && request_.solid()->labels; }
-
-// More for a job with a walk: its pieces, as measured; with `close`, the reached points of tiles; and the search for a
-// leak. A region reports a leak, too.
+// More for a job with walks: their pieces, as measured; with `close`, the reached points of tiles; and the search for a
+// leak. A region reports a leak, too. With labels, a walk and a plan for each, and what a labeled tile takes.
 uint64_t JobMemory::BytesOfWalk(const JobEstimate& estimate) const {
   constexpr double kBytesPerWallTile = 300, kBytesPerPackedTile = 24 << 10, kBytesPerLeakPoint = 2;
   const WalkSet* const walk = request_.walk();
@@ -134,7 +135,9 @@ uint64_t JobMemory::BytesOfWalk(const JobEstimate& estimate) const {
   const bool finds_leak = walk->leak_from || (walk->seed && !walk->allow_outside);
   const bool has_room = estimate.box_points <= static_cast<double>(kMostLeakPoints);
   const double leak = finds_leak && has_room ? estimate.box_points * kBytesPerLeakPoint : 0;
-  return threads_ * kSolidThreadBytes + ToBytes(estimate.wall_tiles * per_tile + packed + leak);
+  const double of_labels = request_.labels() ? estimate.walks * double{kLabeledWalkBytesPerLabel} : 0;
+  return threads_ * (kSolidThreadBytes + (request_.labels() ? kLabelThreadBytes : 0)) +
+         ToBytes(estimate.wall_tiles * per_tile + packed + leak + of_labels);
 }
 
 // More for a job that thins: a block's share of the voxels, if they are spread over the requested part of the mesh's

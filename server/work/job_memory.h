@@ -18,7 +18,8 @@ struct JobEstimate {
   double line_crossings = 0;  // the number that it keeps, if it fills a mesh that may be open
   Bounds bounds;              // of the mesh, world units
   double voxel_size = 0;      // world units
-  double wall_tiles = 0;      // the tiles that a walk finds walls in or near
+  double walks = 0;           // the number of walks: one for each label
+  double wall_tiles = 0;      // the tiles that these find walls in or near
   double box_points = 0;      // the lattice points of the mesh's box
 };
 
@@ -62,7 +63,6 @@ class JobMemory {
   uint64_t SearchBytesPerTriangle(const FieldList& nearest) const;
   uint64_t BytesOf(uint64_t triangles, uint64_t vertices) const;
   uint64_t BytesOfSolid(double line_crossings) const;
-  bool IsLabeled() const;
   uint64_t FractionLabels() const;
   uint64_t BytesOfWalk(const JobEstimate& estimate) const;
   uint64_t BytesOfThinning(const JobEstimate& estimate) const;

@@ -86,11 +86,14 @@ struct Links {
 };
 
 // The points that no walk from outside of the mesh reaches, by steps between k-neighbors that never enter a voxel of
-// the surface. The mesh need not be closed: see Enclosed in the protocol.
+// the surface. The mesh need not be closed: see Enclosed in the protocol. With labels, each label has the set of its
+// own triangles alone, and the result is their union.
 struct Enclosed {
   SolidSurface surface = SolidSurface::kSeparating;  // kNone leaves out the surface's voxels; not kSupercover
   double close = 0;                                  // holes up to this width count as closed, world units
   std::optional<Vec3d> leak_from = std::nullopt;     // world position whose way outside WalkFacts.leak reports
+  std::optional<Field> labels = std::nullopt;        // as in Solid
+  std::vector<uint32_t> priority = {};               // as in Solid
   bool operator==(const Enclosed&) const = default;
 };
 

@@ -216,11 +216,20 @@ struct Leak {
   uint64_t box_points = 0;       // of the mesh's box
 };
 
+// The facts of one label of an enclosed set: see LabelWalk in the protocol.
+struct LabelWalk {
+  uint32_t label = 0;                       // its number
+  uint64_t cavities = 0;                    // as in WalkFacts, of its triangles alone
+  uint64_t points = 0;                      // the lattice points of these
+  std::optional<Leak> leak = std::nullopt;  // for Enclosed::leak_from
+};
+
 // Facts about the whole mesh, from a walk.
 struct WalkFacts {
   uint64_t cavities = 0;                        // connected sets that no walk from outside reaches
   std::vector<uint64_t> largest_cavities = {};  // their numbers of lattice points, descending: at most 16
-  std::optional<Leak> leak = std::nullopt;      // for Enclosed::leak_from
+  std::optional<Leak> leak = std::nullopt;      // for Enclosed::leak_from; not with labels
+  std::vector<LabelWalk> labels = {};           // for Enclosed::labels, ascending
 };
 
 // A field of a result.

@@ -89,6 +89,12 @@ Json LatticeJson(const std::variant<NamedLattice, Basis>& lattice) {
   return static_cast<int>(std::get<NamedLattice>(lattice));
 }
 
+template <class Set>
+void AddLabels(const Set& set, Json& json) {
+  if (set.labels) json["labels"] = NameOf(*set.labels);
+  if (!set.priority.empty()) json["priority"] = set.priority;
+}
+
 Json RequestJson(const VoxelizeRequest& request) {
   const std::string set = NameOf(request.set);
   Json json = {{"lattice", LatticeJson(request.lattice)},
@@ -113,14 +119,14 @@ Json RequestJson(const VoxelizeRequest& request) {
   if (request.shard) json["shard"] = {request.shard->index, request.shard->count};
   if (const auto* enclosed = std::get_if<Enclosed>(&request.set)) {
     json["walk"] = {enclosed->close, OrNull(enclosed->leak_from)};
+    AddLabels(*enclosed, json);
   }
   if (const auto* connected = std::get_if<Connected>(&request.set)) {
     json["walk"] = {connected->close, connected->seed, connected->allow_outside};
   }
   if (const auto* solid = std::get_if<Solid>(&request.set)) {
     json["solid"] = {static_cast<int>(solid->rule), solid->force_open};
-    if (solid->labels) json["labels"] = NameOf(*solid->labels);
-    if (!solid->priority.empty()) json["priority"] = solid->priority;
+    AddLabels(*solid, json);
   }
   return json;
 }

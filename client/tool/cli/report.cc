@@ -25,17 +25,25 @@ std::array<double, 9> Flat(const Basis& basis) {
 
 constexpr const char* kLeakKinds[] = {"enclosed", "in the surface", "leak", "box too large"};
 
+Json LeakJson(const Leak& leak) {
+  Json json = {{"kind", kLeakKinds[static_cast<size_t>(leak.kind)]}, {"from", leak.from}};
+  if (leak.kind != Leak::Kind::kFound) return json;
+  json["steps"] = leak.steps;
+  json["narrowest"] = leak.narrowest;
+  json["narrowest_world"] = leak.narrowest_world;
+  json["room"] = leak.room;
+  json["path"] = leak.path;
+  return json;
+}
+
 Json WalkJson(const WalkFacts& walk) {
   Json json = {{"cavities", walk.cavities}, {"largest_cavities", walk.largest_cavities}};
-  if (!walk.leak) return json;
-  const Leak& leak = *walk.leak;
-  Json& out = json["leak"] = {{"kind", kLeakKinds[static_cast<size_t>(leak.kind)]}, {"from", leak.from}};
-  if (leak.kind != Leak::Kind::kFound) return json;
-  out["steps"] = leak.steps;
-  out["narrowest"] = leak.narrowest;
-  out["narrowest_world"] = leak.narrowest_world;
-  out["room"] = leak.room;
-  out["path"] = leak.path;
+  if (walk.leak) json["leak"] = LeakJson(*walk.leak);
+  for (const LabelWalk& of_label : walk.labels) {
+    Json facts = {{"label", of_label.label}, {"cavities", of_label.cavities}, {"points", of_label.points}};
+    if (of_label.leak) facts["leak"] = LeakJson(*of_label.leak);
+    json["labels"].push_back(std::move(facts));
+  }
   return json;
 }
 
@@ -152,7 +160,12 @@ std::string WalkText(const Certificate& certificate, double voxel_size) {
   if (!walk->largest_cavities.empty())
     absl::StrAppend(&text, ", the largest of ", walk->largest_cavities[0], " points");
   text += "\n";
-  return walk->leak ? text + LeakText(*walk->leak, certificate.closed, voxel_size) : text;
+  if (walk->leak) text += LeakText(*walk->leak, certificate.closed, voxel_size);
+  for (const LabelWalk& of_label : walk->labels) {
+    if (!of_label.leak) continue;
+    absl::StrAppend(&text, "label ", of_label.label, ": ", LeakText(*of_label.leak, false, voxel_size));
+  }
+  return text;
 }
 
 std::string FieldsText(const Certificate& certificate) {

@@ -11,6 +11,7 @@
 #include "absl/strings/str_split.h"
 #include "absl/strings/strip.h"
 #include "client/tool/cli/common_options.h"
+#include "client/tool/cli/set_labels.h"
 #include "client/tool/output/output.h"
 
 namespace latvox::client {
@@ -92,7 +93,7 @@ const Names<Field>& LabelNames() {
   return *kNames;
 }
 
-// The labels of a solid. A priority needs some: those among the fields.
+// The labels of a set. A priority needs some: those among the fields.
 std::optional<Field> LabelsOf(const VoxelizeWords& words) {
   if (!words.labels.empty()) return ValueNamed(LabelNames(), words.labels);
   if (words.priority.empty()) return std::nullopt;
@@ -245,7 +246,8 @@ std::vector<OptionRow> FieldRows(VoxelizeWords& words) {
        .standard = "distance for a band, otherwise none"},
       {.names = "--labels",
        .target = &words.labels,
-       .help = "Make a solid of each part or material, which voxels carry; where several overlap, see --priority",
+       .help = "Make a solid, or an enclosed set, of each part or material, which voxels carry; where several overlap, "
+               "see --priority",
        .words = WordsOf(LabelNames()),
        .word_help = {"each part", "each material"},
        .standard = "with --priority, the one of --fields"},
@@ -304,6 +306,13 @@ void InterpretWalk(const VoxelizeWords& words, const std::string& name, VoxelSet
   }
 }
 
+// `set`: a solid or an enclosed set.
+template <class Set>
+void InterpretLabels(const VoxelizeWords& words, Set& set) {
+  set.labels = LabelsOf(words);
+  set.priority = NumbersOf(LabelWords(words.priority));
+}
+
 }  // namespace
 
 std::vector<OptionRow> SetRows(VoxelizeWords& words) {
@@ -330,13 +339,16 @@ VoxelSet InterpretSet(const VoxelizeWords& words) {
   if (auto* solid = std::get_if<Solid>(&set)) {
     solid->rule = RuleOf(words);
     solid->force_open = words.force_open;
-    solid->labels = LabelsOf(words);
-    solid->priority = NumbersOf(LabelWords(words.priority));
+    InterpretLabels(words, *solid);
     return set;
   }
+  if (auto* enclosed = std::get_if<Enclosed>(&set)) {
+    InterpretLabels(words, *enclosed);
+  } else if (!words.labels.empty() || !words.priority.empty()) {
+    Refuse(words.labels.empty() ? "--priority" : "--labels",
+           ": needs --set solid, supercover-solid, interior, enclosed or enclosed-interior, not ", name);
+  }
   if (!words.rule.empty()) Refuse("--rule: needs --set solid, supercover-solid or interior, not ", name);
-  if (!words.labels.empty()) Refuse("--labels: needs --set solid, supercover-solid or interior, not ", name);
-  if (!words.priority.empty()) Refuse("--priority: needs --set solid, supercover-solid or interior, not ", name);
   if (words.force_open) Refuse("--force-open: needs --set solid, supercover-solid or interior, not ", name);
   return set;
 }
@@ -355,9 +367,9 @@ void InterpretFields(const VoxelizeWords& words, VoxelizeOptions& options) {
   request.fraction_labels = NumbersOf(LabelWords(words.fraction_labels));
   if (request.fraction_labels.empty()) options.fraction_labels = LabelWords(words.fraction_labels);
   InterpretBaseColors(words, options);
-  if (const auto* const solid = std::get_if<Solid>(&request.set); solid != nullptr && solid->labels) {
-    if (!CarriesField(request.fields, *solid->labels)) request.fields.push_back(*solid->labels);
-    if (solid->priority.empty()) options.priority = LabelWords(words.priority);
+  if (const auto labels = LabelsOf(request.set)) {
+    if (!CarriesField(request.fields, labels->field)) request.fields.push_back(labels->field);
+    if (labels->priority.empty()) options.priority = LabelWords(words.priority);
   }
   request.signed_distance = words.is_signed;
   if (words.is_signed && !CarriesField(request.fields, Field::kDistance)) Refuse("--signed: needs --fields distance");

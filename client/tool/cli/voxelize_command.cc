@@ -17,6 +17,7 @@
 #include "client/tool/cli/option_words.h"
 #include "client/tool/cli/progress_bar.h"
 #include "client/tool/cli/remote_files.h"
+#include "client/tool/cli/set_labels.h"
 #include "client/tool/cli/warnings.h"
 #include "client/tool/confined/foreign_grid.h"
 #include "client/tool/output/box_shape.h"
@@ -59,19 +60,19 @@ absl::Status WithMesh(const absl::Status& status, const MeshSource& mesh) {
 
 // Writes the labels that options name to the request.
 absl::Status ReplaceNames(const VoxelizeOptions& options, const CarriedNames& names, VoxelizeRequest& request) {
-  auto* const solid = std::get_if<Solid>(&request.set);
+  const std::optional<SetLabels> of_set = LabelsOf(request.set);
   const auto replace = [&](const char* option, const std::vector<std::string>& words, std::vector<uint32_t>& labels) {
     if (words.empty()) return absl::OkStatus();
-    auto numbers = LabelsNamed(words, option, *solid->labels, names);
+    auto numbers = LabelsNamed(words, option, of_set->field, names);
     if (numbers.ok()) labels = *std::move(numbers);
     return numbers.status();
   };
-  if (solid == nullptr || !solid->labels) {
+  if (!of_set) {
     return options.fraction_labels.empty()
                ? absl::OkStatus()
                : ToStatus(UsageError("--fraction-labels: names need --labels part or material"));
   }
-  if (auto status = replace("--priority", options.priority, solid->priority); !status.ok()) return status;
+  if (auto status = replace("--priority", options.priority, of_set->priority); !status.ok()) return status;
   return replace("--fraction-labels", options.fraction_labels, request.fraction_labels);
 }
 

@@ -34,6 +34,30 @@ struct Case {
   std::string expected;
 };
 
+std::vector<Case> CasesOfLabels() {
+  return {
+      {"solid.labels", [](Options& o) { o.set = Solid{.labels = Field::kPart}; }, client::Solid{},
+       "--labels part: needs part among --fields"},
+      {"solid.priority", [](Options& o) { o.set = Solid{.priority = {1}}; }, client::Solid{},
+       "--priority: needs --labels"},
+      {"enclosed.labels", [](Options& o) { o.set = Enclosed{.labels = Field::kPart}; }, client::Enclosed{},
+       "--labels part: needs part among --fields"},
+      {"enclosed.priority", [](Options& o) { o.set = Enclosed{.priority = {1}}; }, client::Enclosed{},
+       "--priority: needs --labels"},
+      {"fraction_labels",
+       [](Options& o) { o.fraction_labels = {1}; },
+       {},
+       "--fraction-labels: needs label_fractions among --fields"},
+      {"fraction_labels",
+       [](Options& o) {
+         o.fields = {Field::kLabelFractions};
+         o.fraction_n = 4;
+       },
+       {},
+       "--fields label_fractions: needs --labels"},
+  };
+}
+
 std::vector<Case> Cases() {
   return {
       {"separability", [](Options& o) { o.separability = 3; }, {}, "--separability 3 exceeds 2"},
@@ -75,21 +99,6 @@ std::vector<Case> Cases() {
        },
        {},
        "--fields 17 exceeds 16"},
-      {"solid.labels", [](Options& o) { o.set = Solid{.labels = Field::kPart}; }, client::Solid{},
-       "--labels part: needs part among --fields"},
-      {"solid.priority", [](Options& o) { o.set = Solid{.priority = {1}}; }, client::Solid{},
-       "--priority: needs --labels"},
-      {"fraction_labels",
-       [](Options& o) { o.fraction_labels = {1}; },
-       {},
-       "--fraction-labels: needs label_fractions among --fields"},
-      {"fraction_labels",
-       [](Options& o) {
-         o.fields = {Field::kLabelFractions};
-         o.fraction_n = 4;
-       },
-       {},
-       "--fields label_fractions: needs --labels"},
   };
 }
 
@@ -124,7 +133,9 @@ TEST(OptionWords, TakeThePlaceOfFieldsInEveryRuleAboutOneOption) {
   std::set<std::string> rules, names;
   AddNames(*v1::VoxelizeSpec::descriptor(), "", names);
   EXPECT_TRUE(names.contains("solid.surface") && names.contains("fraction_n"));
-  for (const auto& [rule, spoil, set, expected] : Cases()) {
+  auto cases = Cases();
+  for (const auto& of_labels : CasesOfLabels()) cases.push_back(of_labels);
+  for (const auto& [rule, spoil, set, expected] : cases) {
     SCOPED_TRACE(rule);
     rules.insert(rule);
     Options options;

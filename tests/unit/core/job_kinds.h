@@ -54,6 +54,7 @@ inline std::vector<JobKind> JobKinds() {
           {"enclosed", 20000, {.set = Enclosed{}}},
           {"region", 20000, {.set = Connected{{-5, -5, -5}, 0, true}}},
           {"closed holes", 1500, {.set = Enclosed{.close = 2.5}}},
+          {"labeled enclosed", 8000, {.set = Enclosed{.labels = Field::kPart}, .fields = {Field::kPart}}},
           {"enclosed with fields", 2000, {.set = Enclosed{}, .fields = {Field::kDistance}}},
           {"links", 12000, {.set = Links{}}},
           {"outer links", 4000, {.set = Links{LinkSide::kOutside}, .fields = {Field::kLinks, Field::kLinkTriangles}}},

@@ -82,6 +82,20 @@ TEST(Rules, OfLabelsAskForTheirFieldAndForEachLabelOnce) {
             (Words{"solid.priority: 65537 labels exceed 65536", "solid.priority", "65537", "65536"}));
 }
 
+TEST(Rules, OfLabelsOfEnclosedSetsAreThoseOfSolids) {
+  using Words = std::vector<std::string>;
+  const auto refusal = [](std::optional<Field> labels, std::vector<uint32_t> priority) {
+    return RefusalOf({.set = Enclosed{.labels = labels, .priority = std::move(priority)}, .fields = {Field::kPart}});
+  };
+  EXPECT_EQ(refusal(Field::kMaterial, {}),
+            (Words{"enclosed.labels material: needs material among fields", "enclosed.labels", "material", ""}));
+  EXPECT_EQ(refusal(std::nullopt, {1}),
+            (Words{"enclosed.priority: needs enclosed.labels", "enclosed.priority", "", ""}));
+  EXPECT_EQ(refusal(Field::kPart, {4, 1, 4}),
+            (Words{"enclosed.priority 4 occurs twice", "enclosed.priority", "4", ""}));
+  EXPECT_TRUE(MakeRequest({.set = Enclosed{.labels = Field::kPart}, .fields = {Field::kPart}})->labels().has_value());
+}
+
 TEST(Rules, SayWhichTwoOptionsDoNotGoTogether) {
   using Words = std::vector<std::string>;
   EXPECT_EQ(RefusalOf({.minimal = true, .set = SupercoverSurface{}}),

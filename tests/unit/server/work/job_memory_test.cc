@@ -106,6 +106,21 @@ TEST(JobMemory, ReservesForLabels) {
   EXPECT_EQ(AddedForJob(labeled, estimate), AddedForJob(plain, estimate) + 3 * 12 * kMebibyte + 1000 * 24);
 }
 
+TEST(JobMemory, ReservesForTheWalkOfEachLabel) {
+  const auto enclosed = [](std::optional<Field> labels) {
+    WalkSet walk;
+    walk.surface.minimal = false;
+    walk.labels = labels;
+    return VoxelRequest{.set = walk, .fields = {Field::kPart}};
+  };
+  const VoxelRequest plain = enclosed(std::nullopt), labeled = enclosed(Field::kPart);
+  EXPECT_EQ(ReservedForMesh(labeled, kThreads, kTriangles, kVertices),
+            ReservedForMesh(plain, kThreads, kTriangles, kVertices) + kTriangles * (8 + 56));
+  JobEstimate estimate;
+  estimate.walks = 5;
+  EXPECT_EQ(AddedForJob(labeled, estimate), AddedForJob(plain, estimate) + 3 * 12 * kMebibyte + 5 * 64 * 1024);
+}
+
 TEST(JobMemory, HoldsTheEncodedMeshUntilItIsDecoded) {
   MemoryBudget budget(kPlenty);
   const VoxelRequest request;

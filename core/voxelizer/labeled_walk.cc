@@ -1,0 +1,202 @@
+#include "core/voxelizer/labeled_walk.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cassert>
+#include <functional>
+#include <limits>
+#include <span>
+#include <utility>
+
+#include "core/brick/set_label_runs.h"
+#include "core/solid/labels.h"
+
+namespace latvox {
+namespace {
+
+// A walk looks at blocks of 2^3 tiles in a cube with more tiles than 2^3 of these, which keep many threads busy.
+constexpr int kLeastLevelOfBlocks = 2;
+
+constexpr uint32_t kNone = std::numeric_limits<uint32_t>::max();
+
+// The part of a mesh with some of its triangles, in the whole mesh's box. So all labels' cubes of tiles are the same.
+//   numbers   for each vertex kNone, before and after
+SnappedMesh PartOf(const SnappedMesh& mesh, std::span<const uint32_t> triangles, std::vector<uint32_t>& numbers) {
+  PaddedVector<Vec3i> vertices;
+  std::vector<std::array<uint32_t, 3>> corners(triangles.size());
+  for (size_t n = 0; n < triangles.size(); ++n) {
+    for (size_t m = 0; m < 3; ++m) {
+      const uint32_t vertex = mesh.triangles[triangles[n]][m];
+      if (numbers[vertex] == kNone) {
+        numbers[vertex] = static_cast<uint32_t>(vertices.size());
+        vertices.push_back(mesh.vertices_lat[vertex]);
+      }
+      corners[n][m] = numbers[vertex];
+    }
+  }
+  for (const uint32_t t : triangles) {
+    for (const uint32_t vertex : mesh.triangles[t]) numbers[vertex] = kNone;
+  }
+  return {mesh.base_ijk, std::move(vertices), std::move(corners), mesh.box};
+}
+
+// Whether a lattice point lies in the box around the vertices.
+bool SurroundsPoint(const SnappedMesh& mesh, const Vec3i& ijk) {
+  for (size_t m = 0; m < 3; ++m) {
+    const auto along = [m](const Vec3i& v) { return v[m]; };
+    const auto [low, high] = std::ranges::minmax(mesh.vertices_lat, {}, along);
+    if (ijk[m] * kLatticeUnit < low[m] || ijk[m] * kLatticeUnit > high[m]) return false;
+  }
+  return true;
+}
+
+// The triangles of a rank, out of those that LabeledWalk::ByRank has sorted.
+std::vector<uint32_t> OfRank(std::span<const uint64_t> by_rank, size_t rank) {
+  const auto first = std::ranges::lower_bound(by_rank, uint64_t{rank} << 32);
+  std::vector<uint32_t> places;
+  for (auto at = first; at != by_rank.end() && *at >> 32 == rank; ++at) places.push_back(static_cast<uint32_t>(*at));
+  return places;
+}
+
+// Gives the points of `rows` that no label has yet to this one. Returns whether labels meet in the tile so far.
+//   is_mixed, last   as returned, and the label of the points so far unless it is mixed
+bool Take(const TileRows& rows, uint32_t label, bool is_mixed, uint32_t& last, LabeledWalkScan& scan) {
+  constexpr size_t kPoints = size_t{kTileSide} * kTileSide * kTileSide;
+  const auto write = [&scan](size_t row, uint64_t bits, uint32_t number) {
+    for (; bits != 0; bits &= bits - 1) {
+      scan.of_points[row * kTileSide + static_cast<size_t>(std::countr_zero(bits))] = number;
+    }
+  };
+  bool is_new = false;
+  for (size_t row = 0; row < rows.size() && !is_new; ++row) is_new = (rows[row] & ~scan.taken[row]) != 0;
+  if (!is_new) return is_mixed;
+  const bool is_first = last == kNoLabel;
+  if (!is_first && !is_mixed) {
+    scan.of_points.assign(kPoints, kNoLabel);
+    for (size_t row = 0; row < rows.size(); ++row) write(row, scan.taken[row], last);
+  }
+  for (size_t row = 0; row < rows.size(); ++row) {
+    if (!is_first) write(row, rows[row] & ~scan.taken[row], label);
+    scan.taken[row] |= rows[row];
+  }
+  last = label;
+  return !is_first;
+}
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<const Walk>> MakeWalk(const ExactPlan& plan, std::optional<std::vector<uint32_t>> kept,
+                                                     StopSignal stop) {
+  const SnappedMesh& mesh = plan.input.mesh;
+  const int level = TileCubeLevel(mesh.box) > kLeastLevelOfBlocks ? 1 : 0;
+  TileTree tree(mesh, level, plan.near_margin, plan.far_margin, mesh.box, stop);
+  if (plan.is_fine) tree.AddLinks(*plan.links);
+  tree.KeepEmpty();
+  return Walk::Make(plan.Context(stop), *plan.input.walk, tree, std::move(kept));
+}
+
+absl::StatusOr<std::unique_ptr<const LabeledWalk>> LabeledWalk::Make(const ExactPlan& plan, StopSignal stop) {
+  const SnappedMesh& mesh = plan.input.mesh;
+  const Labels& labels = *plan.labels;
+  const Labels::Groups groups = labels.ByRank();
+  std::vector<uint32_t> numbers(mesh.vertices_lat.size(), kNone);
+  std::unique_ptr<LabeledWalk> made(new LabeledWalk(plan));
+  size_t packed_bytes = kMostPackedBytes;
+  for (size_t rank = 0; rank < labels.numbers.size(); ++rank) {
+    const std::span<const uint32_t> triangles = groups.Of(rank);
+    if (auto status = made->AddLabel(PartOf(mesh, triangles, numbers), triangles, packed_bytes, stop); !status.ok()) {
+      return status;
+    }
+    const Walk& walk = *made->labels_.back().walk;
+    packed_bytes -= walk.packed_bytes();
+    made->AddFacts(labels.numbers[rank], walk.facts());
+  }
+  std::ranges::sort(made->facts_.labels, {}, &LabelWalkFacts::label);
+  return made;
+}
+
+// A label's plan is one of an enclosed set without labels and fields.
+absl::Status LabeledWalk::AddLabel(SnappedMesh mesh, std::span<const uint32_t> triangles, size_t packed_bytes,
+                                   StopSignal stop) {
+  const ExactInput& whole = plan_.input;
+  WalkPlan walk = *whole.walk;
+  walk.most_packed_bytes = packed_bytes;
+  if (walk.start && (leaks_ == kMostLeaks || !SurroundsPoint(mesh, *walk.start))) walk.start = std::nullopt;
+  if (walk.start) ++leaks_;
+  WalkSet set;
+  set.surface.minimal = plan_.minimal;
+  auto plan = MakeExactPlan({.mesh = std::move(mesh),
+                             .frames = whole.frames,
+                             .supercover = nullptr,
+                             .band = std::nullopt,
+                             .walk = std::move(walk),
+                             .fields = std::nullopt,
+                             .region = whole.region,
+                             .bounds = std::nullopt},
+                            VoxelRequest{.set = set}, stop);
+  if (!plan.ok()) return plan.status();
+  const std::optional<std::vector<uint32_t>> kept = std::exchange((*plan)->kept, std::nullopt);
+  for (uint32_t n = 0; n < triangles.size(); ++n) places_[triangles[n]] = kept ? kNone : n;
+  for (size_t n = 0; kept && n < kept->size(); ++n) places_[triangles[(*kept)[n]]] = (*kept)[n];
+  auto made = MakeWalk(**plan, kept, stop);
+  if (!made.ok()) return made.status();
+  labels_.push_back({*std::move(plan), *std::move(made)});
+  return absl::OkStatus();
+}
+
+void LabeledWalk::AddFacts(uint32_t label, const WalkFacts& facts) {
+  facts_.labels.push_back({label, facts.cavities, facts.points, facts.leak});
+  facts_.cavities += facts.cavities;
+  facts_.points += facts.points;
+  facts_.largest.insert(facts_.largest.end(), facts.largest.begin(), facts.largest.end());
+  std::ranges::sort(facts_.largest, std::greater());
+  facts_.largest.resize(std::min(facts_.largest.size(), kMostCavities));
+}
+
+// All walks have the same cube of tiles.
+bool LabeledWalk::MayHold(const Vec3i& tile_ijk, int level) const {
+  return std::ranges::any_of(labels_, [&](const OfLabel& of_label) { return of_label.walk->MayHold(tile_ijk, level); });
+}
+
+// The rank and the place of each triangle that its label keeps, ascending.
+std::vector<uint64_t> LabeledWalk::ByRank(std::span<const uint32_t> triangles) const {
+  std::vector<uint64_t> by_rank;
+  for (const uint32_t t : triangles) {
+    if (places_[t] != kNone) by_rank.push_back(uint64_t{plan_.labels->of_triangles[t]} << 32 | places_[t]);
+  }
+  std::ranges::sort(by_rank);
+  return by_rank;
+}
+
+// From the highest priority down, each label gets the points that are left.
+void LabeledWalk::FindTile(const TileContext& context, const TileNode& node, LabeledWalkScan& scan,
+                           std::vector<TileBricks>& tiles) const {
+  assert(node.level == 0);  // tiles with fields are found one by one
+  scan.near = ByRank(node.triangles);
+  scan.fringe = ByRank(node.fringe);
+  scan.taken.fill(0);
+  bool is_mixed = false;
+  uint32_t last = kNoLabel;
+  for (size_t rank = 0; rank < labels_.size(); ++rank) {
+    const auto& [plan, walk] = labels_[rank];
+    if (!walk->MayHold(node.tile_ijk, 0)) continue;
+    const TileNode of_label{node.tile_ijk, 0, OfRank(scan.near, rank), OfRank(scan.fringe, rank), 0, 0};
+    bool has_walls = false;
+    walk->FindTile(plan->Context(context.stop), of_label, node.tile_ijk, scan.of_label, has_walls);
+    if (context.stop.Stopped()) return;
+    is_mixed = Take(scan.of_label.reached, plan_.labels->numbers[rank], is_mixed, last, scan);
+    if (std::ranges::all_of(scan.taken, [](uint64_t row) { return row == ~uint64_t{0}; })) break;
+  }
+  TileBricks tile = scan.of_label.CutOut(context, node.tile_ijk, scan.taken);
+  if (tile.bricks.empty()) return;
+  if (is_mixed) {
+    SetLabelRuns(scan.of_points, tile.labels);
+  } else {
+    tile.labels.runs = {{0, last}};
+  }
+  tile.progress = std::min(1.0, node.progress + node.share);
+  tiles.push_back(std::move(tile));
+}
+
+}  // namespace latvox

@@ -1,0 +1,79 @@
+// The enclosed sets of all labels of a mesh: a walk for each label, over its own triangles.
+#ifndef LATVOX_CORE_VOXELIZER_LABELED_WALK_H_
+#define LATVOX_CORE_VOXELIZER_LABELED_WALK_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/base/stop_signal.h"
+#include "core/base/vec.h"
+#include "core/brick/brick.h"
+#include "core/brick/filled_tiles.h"
+#include "core/tree/tile_tree.h"
+#include "core/voxelizer/exact_plan.h"
+#include "core/walk/facts.h"
+#include "core/walk/pass.h"
+#include "core/walk/walk.h"
+
+namespace latvox {
+
+// Returns the walk of a plan with one. It refers to the plan. Errors: as Walk::Make.
+//   kept   the triangles that tiles need to know; nullopt: all
+absl::StatusOr<std::unique_ptr<const Walk>> MakeWalk(const ExactPlan& plan, std::optional<std::vector<uint32_t>> kept,
+                                                     StopSignal stop);
+
+// The memory of one thread, which it reuses from tile to tile.
+struct LabeledWalkScan {
+  WalkScan of_label;
+  TileRows taken;                        // the points of the labels so far
+  std::vector<uint64_t> near, fringe;    // the node's triangles, by rank: see LabeledWalk
+  std::vector<uint32_t> of_points = {};  // where labels meet: the label of each point of the tile, row by row
+};
+
+// Threads: after Make, any.
+class LabeledWalk : public FilledTiles {
+ public:
+  // Makes a plan and a walk for each label, one after the other. Each takes about the time of the surface's scan of its
+  // triangles. The plan, which must have labels and outlive this, is that of the whole mesh.
+  // Errors: CANCELLED.
+  static absl::StatusOr<std::unique_ptr<const LabeledWalk>> Make(const ExactPlan& plan, StopSignal stop);
+
+  bool MayHold(const Vec3i& tile_ijk, int level) const override;
+
+  // Appends the tile of a node, with its labels, if it has voxels.
+  //   node   a tile of a tree with the plan's margins and all triangles of the mesh
+  void FindTile(const TileContext& context, const TileNode& node, LabeledWalkScan& scan,
+                std::vector<TileBricks>& tiles) const;
+
+  const WalkFacts& facts() const { return facts_; }
+
+ private:
+  struct OfLabel {
+    std::unique_ptr<ExactPlan> plan;
+    std::unique_ptr<const Walk> walk;
+  };
+
+  explicit LabeledWalk(const ExactPlan& plan) : plan_(plan), places_(plan.input.mesh.triangles.size()) {}
+
+  absl::Status AddLabel(SnappedMesh mesh, std::span<const uint32_t> triangles, size_t packed_bytes, StopSignal stop);
+  std::vector<uint64_t> ByRank(std::span<const uint32_t> triangles) const;
+  void AddFacts(uint32_t label, const WalkFacts& facts);
+
+  const ExactPlan& plan_;
+  std::vector<uint32_t> places_;  // of each triangle in its label's mesh
+  std::vector<OfLabel> labels_;   // by rank
+  size_t leaks_ = 0;              // labels whose leak is searched
+  WalkFacts facts_;
+};
+
+// The memory of a label, and for each triangle: its copy with three vertices, and its place.
+inline constexpr uint64_t kLabeledWalkBytesPerLabel = 64 << 10, kLabeledWalkBytesPerTriangle = 56;
+
+}  // namespace latvox
+
+#endif  // LATVOX_CORE_VOXELIZER_LABELED_WALK_H_
