@@ -152,6 +152,10 @@ Found CheckFractionLabels(const VoxelizeOptions& options) {
     if (options.fraction_labels.empty()) return std::nullopt;
     return Breach{"fraction_labels", "fraction_labels: needs label_fractions among fields"};
   }
+  if (std::holds_alternative<Enclosed>(options.set)) {
+    return Breach{"fields", "fields label_fractions: not together with enclosed, whose labels need not be closed",
+                  NameOf(Field::kLabelFractions), "", "enclosed"};
+  }
   const Solid* const solid = std::get_if<Solid>(&options.set);
   if (solid == nullptr || !solid->labels) {
     return Breach{"fields", "fields label_fractions: needs solid.labels", NameOf(Field::kLabelFractions)};

@@ -91,7 +91,7 @@ void Declare(CLI::App& app, Arguments& arguments, Words& words) {
       ->check(CLI::PositiveNumber);
   app.add_option("--seed", words.seed, "x,y,z: where --set region begins")->delimiter(',')->expected(3);
   app.add_option("--rule", words.rule, "which points are inside a solid")->check(CLI::IsMember({"parity", "winding"}));
-  app.add_flag("--labels", words.labels, "make a solid of each part, and let voxels carry the part");
+  app.add_flag("--labels", words.labels, "make a solid or an enclosed set of each part, and let voxels carry the part");
   app.add_option("--side", words.side, "which ends of links")->check(CLI::IsMember(kSides));
   app.add_option("--fields", words.fields, "what voxels carry; default: distance for a band, otherwise nothing")
       ->delimiter(',')
@@ -169,9 +169,13 @@ absl::StatusOr<Arguments> ParseArguments(std::vector<std::string> words) {
     options.fields.Add(std::ranges::find(kFields, name, &FieldFacts::name)->field);
   }
   if (named.labels) {
-    Solid* const solid = std::get_if<Solid>(&options.set);
-    if (solid == nullptr) return absl::InvalidArgumentError("--labels: needs --set solid or interior");
-    solid->labels = Field::kPart;
+    if (auto* const solid = std::get_if<Solid>(&options.set)) {
+      solid->labels = Field::kPart;
+    } else if (auto* const enclosed = std::get_if<Enclosed>(&options.set)) {
+      enclosed->labels = Field::kPart;
+    } else {
+      return absl::InvalidArgumentError("--labels: needs --set solid, interior or enclosed");
+    }
     if (!options.fields.Contains(Field::kPart)) options.fields.Add(Field::kPart);
   }
   if (named.band > 0 && named.fields.empty()) options.fields = {Field::kDistance};

@@ -86,6 +86,11 @@ class Bench(unittest.TestCase):
         self.assertEqual((labeled["voxels"], labeled["digest"]), (united["voxels"], united["digest"]))
         self.assertGreater(labeled["voxels"], measured(*words)["voxels"])
 
+    def test_an_enclosed_set_has_labels_too(self):
+        words = ("sphere:500", "32", "--set", "enclosed")
+        plain, labeled = measured(*words), measured(*words, "--labels")
+        self.assertEqual((labeled["voxels"], labeled["digest"]), (plain["voxels"], plain["digest"]))
+
     def test_peers(self):
         self.assertEqual(measured("box", "32", "--peer", "openvdb")["simd"], "openvdb")
         self.assertNotEqual(

@@ -55,6 +55,14 @@ std::vector<Case> CasesOfLabels() {
        },
        {},
        "--fields label_fractions: needs --labels"},
+      {"fraction_labels",
+       [](Options& o) {
+         o.set = Enclosed{.labels = Field::kPart};
+         o.fields = {Field::kPart, Field::kLabelFractions};
+         o.fraction_n = 4;
+       },
+       client::Enclosed{},
+       "--fields label_fractions: not together with --set enclosed, whose labels need not be closed"},
   };
 }
 
