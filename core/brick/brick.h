@@ -40,7 +40,7 @@ struct TileBricks {
   // For a band, until its fields are found: the square of each voxel's distance, in units (core/band/metric.h), brick
   // by brick, in the masks' order.
   std::vector<double> squares = {};
-  // For a labeled solid, until its fields are found: the labels of all points inside.
+  // For a labeled set, until its fields are found: the labels of its points.
   LabelRuns labels = {};
   // One for each field of the request, in its order: the values of all voxels, in the same order.
   std::vector<std::vector<std::byte>> fields = {};

@@ -153,7 +153,7 @@ Found CheckFractionLabels(const VoxelizeOptions& options) {
     return Breach{"fraction_labels", "fraction_labels: needs label_fractions among fields"};
   }
   if (std::holds_alternative<Enclosed>(options.set)) {
-    return Breach{"fields", "fields label_fractions: not together with enclosed, whose labels need not be closed",
+    return Breach{"fields", "fields label_fractions: not together with enclosed, whose triangles need not be closed",
                   NameOf(Field::kLabelFractions), "", "enclosed"};
   }
   const Solid* const solid = std::get_if<Solid>(&options.set);

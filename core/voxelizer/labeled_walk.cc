@@ -20,7 +20,8 @@ constexpr int kLeastLevelOfBlocks = 2;
 
 constexpr uint32_t kNone = std::numeric_limits<uint32_t>::max();
 
-// The part of a mesh with some of its triangles, in the whole mesh's box. So all labels' cubes of tiles are the same.
+// The part of a mesh with some of its triangles, in the whole mesh's box. So all labels' cubes of tiles are the same,
+// and the nodes of one tree fit all walks.
 //   numbers   for each vertex kNone, before and after
 SnappedMesh PartOf(const SnappedMesh& mesh, std::span<const uint32_t> triangles, std::vector<uint32_t>& numbers) {
   PaddedVector<Vec3i> vertices;
@@ -38,6 +39,7 @@ SnappedMesh PartOf(const SnappedMesh& mesh, std::span<const uint32_t> triangles,
   for (const uint32_t t : triangles) {
     for (const uint32_t vertex : mesh.triangles[t]) numbers[vertex] = kNone;
   }
+  vertices.shrink_to_fit();
   return {mesh.base_ijk, std::move(vertices), std::move(corners), mesh.box};
 }
 
@@ -46,7 +48,8 @@ bool SurroundsPoint(const SnappedMesh& mesh, const Vec3i& ijk) {
   for (size_t m = 0; m < 3; ++m) {
     const auto along = [m](const Vec3i& v) { return v[m]; };
     const auto [low, high] = std::ranges::minmax(mesh.vertices_lat, {}, along);
-    if (ijk[m] * kLatticeUnit < low[m] || ijk[m] * kLatticeUnit > high[m]) return false;
+    const int64_t at = int64_t{ijk[m]} * kLatticeUnit;  // the point may be far away
+    if (at < low[m] || at > high[m]) return false;
   }
   return true;
 }

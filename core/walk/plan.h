@@ -23,7 +23,7 @@ struct WalkPlan {
   bool with_surface = false;      // the set has the surface's points, too
   std::optional<Vec3i> start;     // local, once the mesh is snapped: the seed, or the point whose leak is asked for
   Grid grid;                      // for messages and distances
-  size_t most_packed_bytes = kMostPackedBytes;
+  size_t most_packed_bytes = kMostPackedBytes;  // of the pieces of tiles; walks of several labels share them
 };
 
 // Returns the lattice point nearest to a world position, the lexicographically first of several, as doubles have it. A

@@ -1,4 +1,4 @@
-// The labels of a labeled solid in a file, and their fractions.
+// The labels of a labeled set in a file, and their fractions.
 #ifndef LATVOX_CLIENT_TOOL_OUTPUT_LABELS_H_
 #define LATVOX_CLIENT_TOOL_OUTPUT_LABELS_H_
 

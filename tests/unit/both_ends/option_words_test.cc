@@ -62,7 +62,7 @@ std::vector<Case> CasesOfLabels() {
          o.fraction_n = 4;
        },
        client::Enclosed{},
-       "--fields label_fractions: not together with --set enclosed, whose labels need not be closed"},
+       "--fields label_fractions: not together with --set enclosed, whose triangles need not be closed"},
   };
 }
 

@@ -253,7 +253,7 @@ TEST(LabelFraction, NeedsLabels) {
   EXPECT_EQ(RefusalOf(options).message(), "fields label_fractions: needs solid.labels");
   options.set = Enclosed{.labels = Field::kPart};
   EXPECT_EQ(RefusalOf(options).message(),
-            "fields label_fractions: not together with enclosed, whose labels need not be closed");
+            "fields label_fractions: not together with enclosed, whose triangles need not be closed");
   options.fields = {Field::kFraction};
   EXPECT_EQ(RefusalOf(options).message(), "fraction_labels: needs label_fractions among fields");
   EXPECT_EQ(RefusalOf(Options({}, 1)).message(), "fraction_n 1 is below 2");
