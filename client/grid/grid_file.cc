@@ -3,6 +3,7 @@
 #define XXH_INLINE_ALL
 #include <openvdb/io/Archive.h>
 #include <openvdb/io/GridDescriptor.h>
+#include <openvdb/io/io.h>
 #include <xxhash.h>
 
 #include <algorithm>
@@ -64,7 +65,8 @@ class HashedSink final : public std::streambuf {
 };
 
 // io::File does not check whether its stream took everything: on a full disk it leaves half a file without an error.
-// Archive::write is not used either, because it needs all grids at once. Its bytes are the same.
+// Archive::write is not used either, because it needs all grids at once. It sets the same flags of the stream, and
+// writes the same bytes.
 struct Writer : openvdb::io::Archive {
   // OpenVDB gives each file a random UUID. Its readers compare it to tell other content, so the content's own hash does
   // as well, and equal jobs make equal files.
@@ -72,11 +74,13 @@ struct Writer : openvdb::io::Archive {
     HashedSink sink(*file.rdbuf());
     std::ostream out(&sink);
     out.exceptions(std::ios::failbit | std::ios::badbit);
+    openvdb::io::setWriteGridStatsMetadata(out, isGridStatsMetadataEnabled());
     writeHeader(out, /*seekable=*/true);
     openvdb::MetaMap().writeMeta(out);
     const auto count = static_cast<int32_t>(grids.size() + late.count);
     out.write(reinterpret_cast<const char*>(&count), sizeof(count));
     ForEachGrid(grids, late, [&](const openvdb::GridBase::ConstPtr& grid) {
+      openvdb::io::setDataCompression(out, compression());  // writeGrid changes it
       openvdb::io::GridDescriptor descriptor(grid->getName(), grid->type(), grid->saveFloatAsHalf());
       writeGrid(descriptor, grid, out, /*seekable=*/true);
     });

@@ -95,8 +95,8 @@ TEST(VoxelScene, RaysMeetTheCellThatBruteForceFinds) {
           direction = {n % 2 == 0 ? 0 : 1e-17, 0, 0};
           direction[static_cast<size_t>(n / 5 % 3)] = n % 4 < 2 ? 1 : -1;
         }
-        const Vec3d near =
-            Sum(scene.CenterOf(cells[chance() % cells.size()]), 1.2, {normal(chance), normal(chance), 0});
+        const Vec3d near = Sum(scene.CenterOf(cells[chance() % cells.size()]), 1.2,
+                               {normal(chance), normal(chance), n % 5 == 0 ? normal(chance) : 0});
         const double before = n % 3 == 0 ? 5 : 300, reach = n % 4 == 0 ? before + 1 : 1e6;
         const Ray ray{Sum(near, -before, direction), direction, reach};
         const auto expected = NearestByBruteForce(scene, cell, unit, ray);
