@@ -24,7 +24,7 @@ absl::Status ForAllAtOnce(const Outputs& outputs, const Cancellation& cancellati
   std::vector<absl::Status> ends(outputs.size());
   const auto run = [&](size_t n) {
     try {
-      ends[n] = cancellation.cancelled() ? absl::CancelledError("cancelled") : step(*outputs[n]);
+      ends[n] = cancellation.cancelled() ? absl::CancelledError("cancelled by the caller") : step(*outputs[n]);
     } catch (const std::bad_alloc&) {
       ends[n] = absl::ResourceExhaustedError("not enough memory");
     }
