@@ -267,9 +267,9 @@ class Science(ArrayCase):
             (["-o", "b.npy", "--npy", "dense"], 3, "cannot hold part,distance"),
             (["-o", "b.csv", "-o", "a.vti"], 3, "a.vti: the format holds boxes along the axes only"),
             (["-o", "b.csv", "--fields", "color"], 3, "a.vdb: has no field color"),
-            (["-o", "b.csv", "--fields", "links"], 2, "links"),
+            (["-o", "b.csv", "--fields", "links"], 3, "a.vdb: has no field links"),
             (["-o", "b.csv", "--pad", "1"], 2, "--pad: needs an output with a shape"),
-            (["-o", "b.links.csv"], 2, '".links.csv" is not one of .vdb .nvdb .csv'),
+            (["-o", "b.links.csv"], 3, "b.links.csv: cannot hold"),
             (["-o", "b.nii", "--fields", "part", "--dims", "3,99,99"], 3, "b.nii: --dims: 3 along i is less than"),
         ):  # fmt: skip
             before = sorted(self.dir.iterdir())
