@@ -22,7 +22,7 @@ namespace latvox {
 // The points that no walk from outside of the mesh's box reaches.
 //
 // With labels, each label has the set of its own triangles alone. The set is the union of these. A point of several has
-// the label with the highest priority. What only several labels together cut off belongs to none.
+// the label with the highest priority. A point that only several labels cut off belongs to none.
 struct Enclosed {
   SolidSurface surface = SolidSurface::kSeparating;  // kNone leaves out the surface's voxels; not kSupercover
   double close = 0;                                  // G, world units, finite, at least 0

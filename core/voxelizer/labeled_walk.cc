@@ -54,7 +54,7 @@ bool SurroundsPoint(const SnappedMesh& mesh, const Vec3i& ijk) {
   return true;
 }
 
-// The triangles of a rank, out of those that LabeledWalk::ByRank has sorted.
+// The triangles of a rank, among the sorted ones of LabeledWalk::ByRank.
 std::vector<uint32_t> OfRank(std::span<const uint64_t> by_rank, size_t rank) {
   const auto first = std::ranges::lower_bound(by_rank, uint64_t{rank} << 32);
   std::vector<uint32_t> places;

@@ -99,7 +99,7 @@ class Renderer {
     int left, top, right, bottom;
   };
 
-  // Calls work(tile) for the tiles of a square. What the samples of a tile read stays in the cache.
+  // Calls work(tile) for the tiles of a square. The voxels that the samples of a tile read stay in the cache.
   template <class Work>
   void ForTiles(int wide, const Work& work) const {
     constexpr int kTile = 64;

@@ -76,7 +76,7 @@ std::vector<Case> Cases() {
 
 class LabeledWalkOnLattice : public testing::TestWithParam<Case> {
  protected:
-  // What each label encloses, by a flood of its triangles alone.
+  // The points that each label encloses, by a flood of its triangles alone.
   void ExpectFloods(const Bodies& bodies, double close, const Vec3i& shift, const std::vector<uint32_t>& priority,
                     bool minimal) {
     const Lattice& lattice = GetParam().lattice.lattice;
