@@ -86,8 +86,8 @@ class Walk : public FilledTiles {
   uint32_t start_piece_ = 0;               // of its tile, if that has pieces
   uint32_t origin_ = WalkGraph::kOutside;  // the node where the walk starts
   std::mutex kept_mutex_;
-  // The pieces of tiles, up to the plan's most_packed_bytes; with `close`, only until the reached points are kept. Which ones these
-  // are does not change a set.
+  // The pieces of tiles, up to most_packed_bytes of the plan. With `close`, only until the reached points are kept. The
+  // choice of tiles does not change a set.
   absl::flat_hash_map<Vec3i, PackedPieces> packed_;
   size_t packed_bytes_ = 0;
   bool all_packed_ = true;

@@ -13,8 +13,8 @@
 
 namespace latvox::client {
 
-// Casts parallel rays: from + t * along, 0 <= t <= reach, in the frame of the scene. What depends on the direction
-// alone is computed once. Not thread-safe, because it remembers the tile of the last ray.
+// Casts parallel rays in the frame of the scene: from + t * along, 0 <= t <= reach. Finds the facts about the direction
+// once. Not thread-safe, because it remembers the tile of the last ray.
 class VoxelScene::Beam {
  public:
   Beam(const VoxelScene& scene, const Vec3d& along);  // unit length; the scene outlives the beam, and does not change
