@@ -13,7 +13,8 @@ namespace latvox::client {
 // The functions that are used. A program that calls the library's own names would load it at its start.
 // clang-format off
 #define LATVOX_HDF5_FUNCTIONS(DO) \
-  DO(H5open) DO(H5is_library_threadsafe) DO(H5dont_atexit) DO(H5Eset_auto2) DO(H5PLset_loading_state) DO(H5FDregister) DO(H5Fcreate) \
+  DO(H5is_library_threadsafe) \
+  DO(H5open) DO(H5dont_atexit) DO(H5Eset_auto2) DO(H5PLset_loading_state) DO(H5FDregister) DO(H5Fcreate) \
   DO(H5Fopen) DO(H5Fclose) DO(H5Gcreate2) DO(H5Gopen2) DO(H5Gclose) DO(H5Lexists) DO(H5Dcreate2) DO(H5Dopen2) \
   DO(H5Dclose) DO(H5Dset_extent) DO(H5Dwrite) DO(H5Dread) DO(H5Dget_space) DO(H5Acreate2) DO(H5Aopen) \
   DO(H5Aclose) DO(H5Awrite) DO(H5Aread) DO(H5Aget_space) DO(H5Aget_type) DO(H5Aiterate2) DO(H5Literate) \
