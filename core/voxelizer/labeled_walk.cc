@@ -126,7 +126,6 @@ absl::Status LabeledWalk::AddLabel(SnappedMesh mesh, std::span<const uint32_t> t
   WalkPlan walk = *whole.walk;
   walk.most_packed_bytes = packed_bytes;
   if (walk.start && (leaks_ == kMostLeaks || !SurroundsPoint(mesh, *walk.start))) walk.start = std::nullopt;
-  if (walk.start) ++leaks_;
   WalkSet set;
   set.surface.minimal = plan_.minimal;
   auto plan = MakeExactPlan({.mesh = std::move(mesh),
@@ -144,6 +143,8 @@ absl::Status LabeledWalk::AddLabel(SnappedMesh mesh, std::span<const uint32_t> t
   for (size_t n = 0; kept && n < kept->size(); ++n) places_[triangles[(*kept)[n]]] = (*kept)[n];
   auto made = MakeWalk(**plan, kept, stop);
   if (!made.ok()) return made.status();
+  const std::optional<Leak>& leak = (*made)->facts().leak;
+  if (leak && leak->kind != Leak::kNone) ++leaks_;
   labels_.push_back({*std::move(plan), *std::move(made)});
   return absl::OkStatus();
 }

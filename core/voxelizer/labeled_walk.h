@@ -67,7 +67,7 @@ class LabeledWalk : public FilledTiles {
   const ExactPlan& plan_;
   std::vector<uint32_t> places_;  // of each triangle in its label's mesh
   std::vector<OfLabel> labels_;   // by rank
-  size_t leaks_ = 0;              // labels whose leak is searched
+  size_t leaks_ = 0;              // labels that are not closed around the point of the request
   WalkFacts facts_;
 };
 

@@ -168,7 +168,7 @@ TEST_P(LabeledWalkOnLattice, ClosesHolesOfEachLabel) {
 }
 
 // Spheres with openings, so fine that most triangles are tiny, and others.
-TriangleMesh Spheres() {
+TriangleMesh Spheres(const Vec3f& step = {25, 0, 0}) {
   TriangleMesh all;
   const float radius[] = {24, 20, 28};
   for (uint32_t n = 0; n < 3; ++n) {
@@ -176,7 +176,7 @@ TriangleMesh Spheres() {
     if (n != 2) one.triangles.erase(one.triangles.end() - (n == 1 ? 3 : 41));
     const auto first = static_cast<uint32_t>(all.vertices.size());
     for (const Vec3f& v : one.vertices) {
-      all.vertices.push_back({v[0] + 25.0F * static_cast<float>(n), v[1] + 60, v[2] + 61});
+      all.vertices.push_back(v + Vec3f{0, 60, 61} + step * static_cast<float>(n));
       all.attributes.push_back(n);
     }
     for (const auto& [a, b, c] : one.triangles) all.triangles.push_back({first + a, first + b, first + c});
@@ -189,9 +189,8 @@ VoxelizeOptions LabelsOfSpheres() {
 }
 
 // Each label alone, and its voxels in the whole.
-TEST(LabeledWalk, OfFineMeshesIsThatOfEachLabelAlone) {
+void ExpectEachLabelAlone(const TriangleMesh& mesh) {
   const Grid grid = Unscaled(Lattice::Named(NamedLattice::kFcc));
-  const TriangleMesh mesh = Spheres();
   LabelsByPoint expected;
   for (const uint32_t label : {0, 2, 1}) {
     TriangleMesh alone = mesh;
@@ -202,6 +201,11 @@ TEST(LabeledWalk, OfFineMeshesIsThatOfEachLabelAlone) {
   EXPECT_GT(expected.size(), 50000U);
   EXPECT_EQ(LabelsOf(Voxelize(mesh, grid, LabelsOfSpheres())), expected);
 }
+
+TEST(LabeledWalk, OfFineMeshesIsThatOfEachLabelAlone) { ExpectEachLabelAlone(Spheres()); }
+
+// So far from each other that the tiles between them are looked at in cubes.
+TEST(LabeledWalk, OfFarMeshesIsThatOfEachLabelAlone) { ExpectEachLabelAlone(Spheres({1500, 20, -700})); }
 
 TEST(LabeledWalk, PartsAreThoseOfTheWhole) {
   const TriangleMesh mesh = Spheres();
@@ -261,6 +265,29 @@ TEST(LabeledWalk, ExplainsTheLeaksOfLabelsAroundAPoint) {
   EXPECT_EQ(facts.labels[1].leak->path.front(), (Vec3i{6, 6, 6}));
   EXPECT_EQ(facts.labels[1].cavities, 0U);
   EXPECT_FALSE(facts.labels[2].leak);
+}
+
+// Ten closed boxes, and open ones of lower priorities.
+TEST(LabeledWalk, ExplainsAtMostEightLeaksWhateverIsClosed) {
+  const oracle::Mesh closed = Box({100, 100, 100}, {3100, 3100, 3100});
+  oracle::Mesh open = closed;
+  open.erase(open.begin());
+  Bodies bodies;
+  for (uint32_t n = 0; n < 10; ++n) {
+    bodies.Add(open, n);
+    bodies.Add(closed, 10 + n);
+  }
+  const Lattice lattice = Lattice::Named(NamedLattice::kCartesian);
+  const Enclosed set{.leak_from = Vec3d{6, 6, 6}, .labels = Field::kPart};
+  auto job = VoxelizeJob::Create(bodies.World(lattice, {}), Unscaled(lattice), {.set = set, .fields = {Field::kPart}});
+  ASSERT_TRUE(job.ok() && (*job)->Prepare().ok());
+  const WalkFacts& facts = *(*job)->facts().walk;
+  ASSERT_EQ(facts.labels.size(), 20U);
+  for (const LabelWalkFacts& label : facts.labels) {
+    SCOPED_TRACE(label.label);
+    ASSERT_EQ(label.leak.has_value(), label.label >= 2);
+    if (label.leak) EXPECT_EQ(label.leak->kind, label.label < 10 ? Leak::kFound : Leak::kNone);
+  }
 }
 
 TEST(LabeledWalk, HasALimitOfLabels) {
