@@ -52,6 +52,8 @@ latvox_add_test(server_message_test SOURCES unit/server/calls/message_test.cc
                 LIBRARIES latvox::server latvox_server_meshes GTest::gmock)
 latvox_add_test(server_call_end_test SOURCES unit/server/calls/call_end_test.cc
                 LIBRARIES latvox::server latvox_server_meshes GTest::gmock)
+latvox_add_test(server_tiny_job_test SOURCES unit/server/calls/tiny_job_test.cc
+                LIBRARIES latvox::server latvox_server_meshes GTest::gmock)
 latvox_add_test(server_turns_test SOURCES unit/server/calls/turns_test.cc
                 LIBRARIES latvox::server latvox_server_meshes GTest::gmock)
 latvox_add_test(server_request_log_test SOURCES unit/server/calls/request_log_test.cc LIBRARIES latvox::server GTest::gmock)
@@ -62,7 +64,8 @@ latvox_add_test(server_process_test UNSANITIZED SOURCES unit/server/listen/proce
 
 # Tests that start the server's program, as a whole or as what decodes meshes.
 foreach(test server_access_call_test server_call_test server_call_end_test server_decoder_pool_test server_decoder_sandbox_test
-             server_message_test server_one_message_test server_process_test server_resume_test server_turns_test)
+             server_message_test server_one_message_test server_process_test server_resume_test server_tiny_job_test
+             server_turns_test)
   if(TARGET ${test})
     target_compile_definitions(${test} PRIVATE LATVOXD="$<TARGET_FILE:latvoxd>")
     add_dependencies(${test} latvoxd)
