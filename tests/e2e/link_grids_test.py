@@ -51,13 +51,14 @@ class LinkGrids(Case):
         (self.dir / "again").mkdir()
         for name, job in JOBS.items():
             with self.subTest(name):
-                formats = ["vdb", "nvdb", "csv", "npy", "npz", "ply", "vtu", "cells.vtu", "h5", "png", "html"]
-                if not set(job[-1].split(",")) - set(FIELDS.split(",")):
-                    formats += ["links.csv", "links.npz"]
+                compared = ["vdb", "nvdb", "html"]
+                if name == "D3Q27":
+                    compared += ["npy", "npz", "ply", "vtu", "cells.vtu", "h5", "png", "links.csv", "links.npz"]
+                formats = ["csv", *compared]
                 self.write(job, *(f"a.{end}" for end in formats))
                 for source in ("a.vdb", "a.nvdb"):
                     self.convert(source, *(f"again/a.{end}" for end in formats))
-                    for end in ("vdb", "nvdb", "html") if name != "D3Q27" else formats:
+                    for end in compared:
                         self.equal(f"again/a.{end}", f"a.{end}", source)
                     # Rows of a grid are in the order of bricks, those of a call in the order of the stream.
                     tables = [sorted((self.dir / place / "a.csv").read_text().splitlines()) for place in ("again", ".")]

@@ -73,7 +73,7 @@ class Kind:
         self.cached = os.environ | CACHED | {"CCACHE_BASEDIR": str(folder.parent)}
         missing = [f"-DCMAKE_DISABLE_FIND_PACKAGE_{name}=ON" for name in FOREIGN]
         self.said = configure(source, self.build, *ALONE, *missing, f"-DBUILD_SHARED_LIBS={'ON' if shared else 'OFF'}",
-                              "-DCMAKE_CXX_FLAGS=-O0",
+                              "-DCMAKE_CXX_FLAGS=-O0", "-DLATVOX_UNITE_FOLDERS=ON",
                               env=os.environ | {"PKG_CONFIG_LIBDIR": str(modules)})
         run("cmake", "--install", self.build, "--prefix", folder / "first", env=self.cached)  # builds what it lacks: all
         (folder / "first").rename(self.prefix)  # programs are built against the moved copy

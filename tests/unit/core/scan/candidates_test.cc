@@ -153,7 +153,8 @@ TEST(Candidates, HaveBoxesByWhichTheLargeTrianglesOfVoxelsAreFoundOnEachKernel) 
     const IndexBox box{tile_min, tile_min + Vec3i{1, 1, 1} * TriangleBoxes::kMostSide};
     const BitsLayout layout(tile_min, reach, TriangleBoxes::kMostSide);
     std::vector<Triangle> triangles = TrianglesAround(tile_min, 9000, Dose(150, 50));
-    for (const Triangle& t : TrianglesAround(tile_min + Vec3i{190, 190, 190}, 9000, 30)) triangles.push_back(t);
+    for (const Triangle& t : TrianglesAround(tile_min + Vec3i{190, 190, 190}, 9000, Dose(30, 10)))
+      triangles.push_back(t);
     for (const Triangle& t : TrianglesAround(tile_min, 1 << 18, 5)) triangles.push_back(t);
     const Found contributed = Expected(triangles, frames, box);
     std::set<uint32_t> voxels;

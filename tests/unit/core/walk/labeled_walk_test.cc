@@ -145,15 +145,14 @@ INSTANTIATE_TEST_SUITE_P(Exact, LabeledWalkOnLattice, testing::ValuesIn(Cases())
 constexpr Vec3i kShifts[] = {{8, 8, 8}, {60, 59, 61}, {-68, 1022, -1}};
 
 TEST_P(LabeledWalkOnLattice, EqualsAFloodOfEachLabel) {
-  size_t number = 0;
-  for (const Bodies& bodies : OpenAdversaries()) {
+  const std::vector<Bodies> all = OpenAdversaries();
+  for (size_t number = 0; number < all.size(); number += Dose(1, 5)) {
     SCOPED_TRACE(number);
     const auto priority = number % 2 == 0 ? std::vector<uint32_t>{} : kPriority;
-    ExpectFloods(bodies, 0, kShifts[number % 3], priority, number % 4 < 2);
+    ExpectFloods(all[number], 0, kShifts[number % 3], priority, number % 4 < 2);
     if (HasFailure()) return;
-    ++number;
   }
-  EXPECT_GT(found_, 400U);
+  EXPECT_GT(found_, Dose(400U, 40U));
 }
 
 TEST_P(LabeledWalkOnLattice, ClosesHolesOfEachLabel) {
