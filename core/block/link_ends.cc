@@ -6,6 +6,8 @@
 #include <iterator>
 
 #include "core/base/bytes_of.h"
+#include "core/block/star_batches.h"
+#include "core/scan/open_stars.h"
 
 namespace latvox {
 
@@ -16,23 +18,42 @@ void LinkEnds::Find(const TileContext& context, const TileNode& node) {
     std::ranges::copy_if(triangles, std::back_inserter(others_), [&](uint32_t t) { return context.is_tiny[t] == 0; });
     triangles = others_;
   }
-  scan_.Begin(context, node, triangles);
-  const BlockBox& where = scan_.where();
-  voxels_.Reset(where);
-  where.ForEachTinyBatch(context, [this](const Crossings& some) {
+  voxels_.Reset(BlockBox(context, node, 1));
+  const BlockBox& where = voxels_.where();
+  const auto add = [this](const auto& some) {
     voxels_.Add(some.nearer.view());
     voxels_.Add(some.farther.view());
+  };
+  where.ForEachTinyBatch(context, add);
+  candidates_.Reset(triangles, context.frames);
+  const NeighborRows rows(context.frames, where.layout);
+  candidates_.ForEach(context, where, [&](const Candidates& candidates) {
+    if (context.stop.Stopped()) return;
+    add(candidates);
+    for (size_t run = 0; run < candidates.runs.size(); ++run) {
+      constexpr size_t kFew = 64;  // what their stars add closes later ones
+      AppendOpenStars(context.mesh, context.frames, where.layout, rows, voxels_.bits(), candidates, run, pairs_);
+      if (pairs_.size() >= kFew) AddStars(context);
+    }
+    AddStars(context);
   });
-  // Bits are set without a look at them: whether a bit is set already is hard to predict.
+}
+
+// Bits are set without a look at them: whether a bit is set already is hard to predict.
+void LinkEnds::AddStars(const TileContext& context) {
+  const BlockBox& where = voxels_.where();
   TileBits& bits = voxels_.bits();
   NumberRange nearer;
-  scan_.ForEachStar(context, [&](const VoxelTriangle& pair, const StarLinks& star) {
-    bits.Set(pair.voxel);
-    nearer.Add({pair.voxel, pair.voxel});
+  const auto all = [](uint32_t) { return true; };
+  ForEachStar(context, where.layout, pairs_, all, [&](uint32_t voxel, const StarLinks& star) {
+    if (star.nearer == 0) return;
+    bits.Set(voxel);
+    nearer.Add({voxel, voxel});
     for (uint32_t links = star.nearer; links != 0; links &= links - 1) {
-      bits.Set(where.EndOf(pair.voxel, star, static_cast<size_t>(std::countr_zero(links))));
+      bits.Set(where.EndOf(voxel, star, static_cast<size_t>(std::countr_zero(links))));
     }
   });
+  pairs_.clear();
   if (nearer.empty()) return;
   // The layout has one step more than the box of nearer ends.
   uint32_t step = 0;
@@ -40,7 +61,7 @@ void LinkEnds::Find(const TileContext& context, const TileNode& node) {
   voxels_.MarkPlanesDirty({nearer.first - step, nearer.last + step});
 }
 
-size_t LinkEnds::Bytes() const { return scan_.Bytes() + voxels_.Bytes() + BytesOf(others_); }
+size_t LinkEnds::Bytes() const { return voxels_.Bytes() + candidates_.Bytes() + BytesOf(pairs_) + BytesOf(others_); }
 
 void KeepSide(LinkSide side, std::span<const uint64_t> inside, TileBricks& tile) {
   if (side == LinkSide::kBoth) return;

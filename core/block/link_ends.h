@@ -8,15 +8,19 @@
 #include <vector>
 
 #include "core/block/block_voxels.h"
-#include "core/block/link_scan.h"
+#include "core/block/candidate_parts.h"
 #include "core/block/tile_context.h"
 #include "core/brick/brick.h"
 #include "core/request/links.h"
+#include "core/tile/voxel_triangle.h"
 #include "core/tree/tile_tree.h"
 
 namespace latvox {
 
-// Reuses the memory of one node for the next.
+// Links along principal directions come first. Their ends are nearly all ends. So a star is found only where it may
+// have another one (core/scan/open_stars.h).
+//
+// Reuses the memory of one node for the next. Leaves part of the work undone once the job is cancelled.
 class LinkEnds {
  public:
   // Finds the ends in the node, and some outside of it. Links of tiny triangles come from the context.
@@ -30,9 +34,12 @@ class LinkEnds {
   size_t Bytes() const;
 
  private:
-  LinkScan scan_;
+  void AddStars(const TileContext& context);
+
   BlockVoxels voxels_;
-  std::vector<uint32_t> others_;  // the triangles that are not tiny
+  CandidateParts candidates_;
+  std::vector<VoxelTriangle> pairs_;  // whose stars may have another end
+  std::vector<uint32_t> others_;      // the triangles that are not tiny
 };
 
 // Removes the voxels of a tile that are not on this side.

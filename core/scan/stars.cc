@@ -14,6 +14,7 @@
 #include <limits>
 
 #include "core/digitize/star.h"
+#include "core/scan/scaled_triangles-inl.h"
 #include "core/triangles/padded_vertices.h"
 #include "core/triangles/positions-inl.h"
 #include "core/triangles/triangle_lanes-inl.h"
@@ -74,58 +75,12 @@ void FindInLanes(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames, 
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-using Float = hn::ScalableTag<float>;
-using Floats = hn::Vec<Float>;
-using Floats3 = std::array<Floats, 3>;
-
-// Triangles in lanes, whose edges are divided by their largest |entry|. The division changes no sign, and makes errors
-// relative to the edges. Errors relative to the square of the farthest corner left many long thin triangles open.
-struct ScaledTriangles {
-  Floats3 normal;
-  std::array<Floats3, 3> moment;  // of the edges
-
-  HWY_INLINE explicit ScaledTriangles(const std::array<Floats3, 3>& v) {
-    const Float d;
-    std::array<Floats3, 3> edge;
-    std::array<Floats, 3> length;
-    for (size_t n = 0; n < 3; ++n) {
-      edge[n] = Minus(v[(n + 1) % 3], v[n]);
-      length[n] = hn::Max(hn::Max(hn::Abs(edge[n][0]), hn::Abs(edge[n][1])), hn::Abs(edge[n][2]));
-      const Floats by = hn::Div(hn::Set(d, 1), hn::Max(length[n], hn::Set(d, 1)));  // edges without length stay 0
-      for (Floats& entry : edge[n]) entry = hn::Mul(entry, by);
-      // (B - A) x (z - A) = A x (B - A) for z at the origin.
-      moment[n] = CrossOf(v[n], edge[n]);
-    }
-    // The shortest edge must be a factor of the normal, because the two others may be nearly parallel.
-    const auto is_1 = hn::Lt(length[1], length[0]), is_2 = hn::Lt(length[2], hn::Min(length[0], length[1]));
-    Floats3 shortest, next;
-    for (size_t m = 0; m < 3; ++m) {
-      shortest[m] = hn::IfThenElse(is_2, edge[2][m], hn::IfThenElse(is_1, edge[1][m], edge[0][m]));
-      next[m] = hn::IfThenElse(is_2, edge[0][m], hn::IfThenElse(is_1, edge[2][m], edge[1][m]));
-    }
-    normal = CrossOf(shortest, next);
-  }
-};
-
 // Finds the certain links of pairs in lanes. Returns the lanes in which the rounding of floats leaves some links open;
 // bit n for lane n.
 //   corners    of the triangles, from the voxels, by axis in lattice units
 //   farthest   each lane's largest |coordinate|; beyond 2^kOffsetBits, a lane's result is meaningless
 //   reach      the largest |entry| of directions
-//
-// Bounds of errors, with w for `farthest`, r for `reach`, and u = 2^-24 for a rounding:
-//
-//   value                                           at most   wrong by at most
-//   entry of a scaled edge, with any factor         1         2u: a difference and a product
-//   entry a * d - b * c of a moment                 2w        8uw
-//   entry of the normal                             2         12u
-//   product of the normal with a direction          6r        (3 * 12 + 6 + 10) ur = 52 ur
-//   product of a moment with a direction            6rw       (3 * 8 + 6 + 10) urw = 40 urw
-//   product of the normal with the first corner     6w        (3 * 12 + 6 + 10) uw = 52 uw
-//
-// The sums have the errors of three entries, the roundings of three products, and those of their sum. Terms with u^2,
-// and the roundings of these bounds, are less than the gaps to 56 and 44. A rounded difference that is compared with a
-// float needs no more, because rounding is monotone. Contraction to fused products leaves roundings out.
+// Bounds of errors: see core/scan/scaled_triangles-inl.h, with w for `farthest` and r for `reach`.
 HWY_INLINE uint64_t SureStars(const std::vector<ScanFrame>& frames, int32_t reach, const std::array<Ints3, 3>& corners,
                               Ints farthest, StarLinks* out) {
   const Float d;
@@ -138,15 +93,16 @@ HWY_INLINE uint64_t SureStars(const std::vector<ScanFrame>& frames, int32_t reac
   const Floats minus_distance = DotOf(normal, v[0]);
   const auto below = hn::Gt(minus_distance, hn::Zero(d));
 
-  constexpr float kUnit = 0x1p-24F, kHalfStep = kLatticeUnit / 2;
+  constexpr float kHalfStep = kLatticeUnit / 2;
   const auto scaled = [&](float by, Floats x) HWY_ATTR { return hn::Mul(hn::Set(d, by), x); };
   const auto r = static_cast<float>(reach);
-  const Floats w = hn::ConvertTo(d, farthest), distance_error = scaled(56 * kUnit, w);
-  const Floats side_error = scaled(44 * kUnit * r, w), minus_side_error = hn::Neg(side_error);
+  const Floats w = hn::ConvertTo(d, farthest), distance_error = scaled(kNormalError, w);
+  const Floats side_error = scaled(kMomentError * r, w), minus_side_error = hn::Neg(side_error);
   // In half steps, a power of two of lattice units.
   const Floats away = scaled(1 / kHalfStep, hn::Abs(minus_distance)),
                away_error = scaled(1 / kHalfStep, distance_error);
-  const Floats plane_error = hn::Add(away_error, hn::Set(d, 56 * kUnit * r)), minus_plane_error = hn::Neg(plane_error);
+  const Floats plane_error = hn::Add(away_error, hn::Set(d, kNormalError * r)),
+               minus_plane_error = hn::Neg(plane_error);
 
   using Dots = Multiples<Float>;
   const Dots by_normal(d, normal, reach);

@@ -12,6 +12,7 @@
 
 #include "core/base/append_lanes-inl.h"
 #include "core/base/table_lanes-inl.h"
+#include "core/base/words_at-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace latvox {
@@ -31,27 +32,6 @@ bool IsMember(const uint32_t* words, uint32_t number) {
 HWY_INLINE hn::Mask<Numbers> TestBits(hn::Vec<Numbers> word, hn::Vec<Numbers> n) {
   const Numbers d;
   return hn::TestBit(hn::Shr(word, hn::And(n, hn::Set(d, 31))), hn::Set(d, 1));
-}
-
-// words[index], lane by lane.
-HWY_INLINE hn::Vec<Numbers> WordsAt(const uint32_t* words, hn::Vec<Numbers> index) {
-  const Numbers d;
-#if HWY_TARGET == HWY_AVX2
-  // Eight loads: on AMD's Zen 3 a gather, which is microcode there, takes twice as long.
-  const auto four = [words](__m128i at) HWY_ATTR {
-    const auto low = static_cast<uint64_t>(_mm_cvtsi128_si64(at)),
-               high = static_cast<uint64_t>(_mm_extract_epi64(at, 1));
-    const auto word = [words](uint64_t n) { return static_cast<int32_t>(words[n]); };
-    __m128i found = _mm_cvtsi32_si128(word(low & UINT32_MAX));
-    found = _mm_insert_epi32(found, word(low >> 32), 1);
-    found = _mm_insert_epi32(found, word(high & UINT32_MAX), 2);
-    return hn::Vec<hn::Half<Numbers>>{_mm_insert_epi32(found, word(high >> 32), 3)};
-  };
-  const hn::Half<Numbers> half;
-  return hn::Combine(d, four(hn::UpperHalf(half, index).raw), four(hn::LowerHalf(half, index).raw));
-#else
-  return hn::GatherIndex(d, words, hn::BitCast(hn::RebindToSigned<Numbers>(), index));
-#endif
 }
 
 // Returns which of the next kLanes numbers are in the set.

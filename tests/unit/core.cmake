@@ -75,6 +75,7 @@ latvox_add_core_test(core_box_cells_test supercover/box_cells_test.cc)
 latvox_add_core_test(core_near_cells_test supercover/near_cells_test.cc)
 latvox_add_core_test(core_candidates_test scan/candidates_test.cc)
 latvox_add_core_test(core_line_scan_test scan/line_scan_test.cc)
+latvox_add_core_test(core_open_stars_test scan/open_stars_test.cc)
 latvox_add_core_test(core_row_spans_test scan/row_spans_test.cc)
 if(TARGET core_row_spans_test) # compiled for the core's instruction sets
   target_compile_definitions(core_row_spans_test PRIVATE $<TARGET_PROPERTY:latvox_core,COMPILE_DEFINITIONS>)
