@@ -10,6 +10,7 @@
 //   scan_batch-inl.h                the lines of many small triangles together
 //   scan_single-inl.h               the lines of one triangle, in blocks; candidates.cc combines all of these
 //   stars.h                         many stars in lanes
+//   open_stars.h                    which stars may reach a voxel outside of a set
 //   triangle_boxes.h                which triangles may have a voxel
 //   core/tiny                       triangles smaller than voxels
 // The supercover (core/supercover) is another rule.
