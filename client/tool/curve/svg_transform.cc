@@ -217,7 +217,11 @@ absl::StatusOr<Vec2d> ParseOrigin(absl::string_view text, const Viewport& viewpo
   words.resize(2, "center");
   const auto is_of_y = [](absl::string_view word) { return word == "top" || word == "bottom"; };
   const auto is_of_x = [](absl::string_view word) { return word == "left" || word == "right"; };
-  if (is_of_y(words[0]) || is_of_x(words[1])) std::swap(words[0], words[1]);
+  const auto is_word = [&](absl::string_view word) { return word == "center" || is_of_x(word) || is_of_y(word); };
+  if (is_of_y(words[0]) || is_of_x(words[1])) {
+    if (!is_word(words[0]) || !is_word(words[1])) return refusal("has the vertical place first, and a length");
+    std::swap(words[0], words[1]);
+  }
   Vec2d origin{};
   for (size_t m = 0; m < 2; ++m) {
     std::string word = words[m];

@@ -83,6 +83,8 @@ TEST(SvgStyle, TransformsOfCss) {
   same("transform:translate(0 , 0) translateX(calc( (1px + 1px) * 2 ))", "translate(4)");
   same("transform:rotate(90deg);transform-origin:center", "rotate(90 10 20)");
   same("transform:rotate(90deg);transform-origin:bottom right 0", "rotate(90 20 40)");
+  same("transform:rotate(90deg);transform-origin:center left", "rotate(90 0 20)");
+  same("transform:rotate(90deg);transform-origin:4px top", "rotate(90 4 0)");
   same("transform:rotate(90deg);transform-origin:top;transform-box:view-box", "rotate(90 10 0)");
   same("-webkit-transform:rotate(90deg)", "rotate(90)");
   EXPECT_EQ(Svg("<path d='M1 2L3 4' transform='rotate(90)' transform-origin='3 4'/>"),
@@ -97,6 +99,11 @@ TEST(SvgStyle, TransformsOfCss) {
   EXPECT_THAT(Error("<g transform='turn(1)'/>"),
               HasSubstr("px, in, cm, mm, Q, pt, pc and % of lengths, and deg, grad, rad and turn of angles"));
   EXPECT_THAT(Error("<g style='transform:none;transform-origin:1em'/>"), HasSubstr("transform-origin \"1em\" is not"));
+  for (const char* origin : {"top 4px", "4px left", "bottom 0", "50% right 1px"}) {
+    EXPECT_THAT(
+        Error(absl::StrCat("<g style='transform:none;transform-origin:", origin, "'/>")),
+        HasSubstr(absl::StrCat("transform-origin \"", origin, "\" has the vertical place first, and a length")));
+  }
   EXPECT_THAT(Error("<g style='transform:scale(2);transform-box:fill-box'/>"), HasSubstr("transform-box \"fill-box\""));
 }
 
