@@ -93,6 +93,25 @@ class EnclosedLabels(Case):
         self.assertEqual(labels[2]["leak"]["kind"], "leak")
         self.assertEqual(labels[0]["leak"]["kind"], "enclosed")
 
+    def test_a_point_in_the_box_of_no_label_is_told(self):
+        for point, told in (("-500,9,9", True), ("9,9,9", False)):
+            done = latvox("voxelize", self.mesh, *GRID, *LABELS, f"--leak-from={point}", "-o", self.dir / "a.csv")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertEqual(f"no leak: {point} lies in the box of no label\n" in done.stdout, told, done.stdout)
+
+    def test_of_nine_leaks_the_last_is_not_searched(self):
+        lines, triangles = [], [t for t in faces() if not set(t) <= {0, 1, 2, 3}]  # open below
+        for n in range(9):
+            corners = [[(10 + n) * (1 if c >> a & 1 else -1) for a in range(3)] for c in range(8)]
+            lines += [f"o box{n}", *("v " + " ".join(map(str, v)) for v in corners)]
+            lines += ["f " + " ".join(str(v + 1 + 8 * n) for v in t) for t in triangles]
+        self.mesh.write_text("\n".join(lines) + "\n")
+        report = self.voxelize(self.mesh, *GRID, *LABELS, "--priority", "box3", "--leak-from", "0,0,0")
+        labels = report["certificate"]["walk"]["labels"]
+        self.assertEqual(len(labels), 9)
+        self.assertEqual({of["label"] for of in labels if "leak" not in of}, {0}, "that of the lowest priority")
+        self.assertEqual({of["leak"]["kind"] for of in labels if "leak" in of}, {"leak"})
+
     def test_other_sets_refuse_labels(self):
         done = latvox("voxelize", self.mesh, *GRID, "--labels", "part", "-o", self.dir / "a.csv")
         self.assertEqual(done.returncode, 2)

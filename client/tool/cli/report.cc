@@ -1,5 +1,7 @@
 #include "client/tool/cli/report.h"
 
+#include <algorithm>
+
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
@@ -153,17 +155,22 @@ std::string LeakText(const Leak& leak, bool closed, double voxel_size) {
       closed ? "      the mesh is closed, so the point lies outside of it, perhaps in a hollow of its surface\n" : "");
 }
 
-std::string WalkText(const Certificate& certificate, double voxel_size) {
-  const auto& walk = certificate.walk;
+std::string WalkText(const VoxelizeReport& report) {
+  const auto& walk = report.summary.certificate.walk;
+  const double voxel_size = report.accepted.grid.voxel_size;
   if (!walk) return "";
   std::string text = Count(walk->cavities, "enclosed part");
   if (!walk->largest_cavities.empty())
     absl::StrAppend(&text, ", the largest of ", walk->largest_cavities[0], " points");
   text += "\n";
-  if (walk->leak) text += LeakText(*walk->leak, certificate.closed, voxel_size);
+  if (walk->leak) text += LeakText(*walk->leak, report.summary.certificate.closed, voxel_size);
   for (const LabelWalk& of_label : walk->labels) {
     if (!of_label.leak) continue;
     absl::StrAppend(&text, "label ", of_label.label, ": ", LeakText(*of_label.leak, false, voxel_size));
+  }
+  const auto has_leak = [](const LabelWalk& of_label) { return of_label.leak.has_value(); };
+  if (report.leak_from && !walk->leak && std::none_of(walk->labels.begin(), walk->labels.end(), has_leak)) {
+    absl::StrAppend(&text, "no leak: ", absl::StrJoin(*report.leak_from, ","), " lies in the box of no label\n");
   }
   return text;
 }
@@ -290,9 +297,8 @@ std::string ToText(const VoxelizeReport& report) {
                         report.accepted.grid.voxel_size, resolution, SeparationText(certificate),
                         NameOf(report.accepted.placement));
   absl::StrAppend(&text, Count(report.summary.voxels, "voxel"), " in ", Count(report.summary.bricks, "brick"),
-                  ", digest ", certificate.digest, "\n", FillText(certificate),
-                  WalkText(certificate, report.accepted.grid.voxel_size), FieldsText(certificate),
-                  VerificationText(certificate));
+                  ", digest ", certificate.digest, "\n", FillText(certificate), WalkText(report),
+                  FieldsText(certificate), VerificationText(certificate));
   if (report.dropped > 0) {
     absl::StrAppend(&text, Count(report.dropped, "voxel"),
                     " left out by the alpha cutoff: the others let paths through\n");

@@ -29,6 +29,7 @@ struct VoxelizeReport {
   double total_ms = 0;                         // the whole command
   uint64_t dropped = 0;                        // voxels that --alpha-cutoff left out
   CarriedNames names;                          // of the attributes that the voxels carry
+  std::optional<Vec3d> leak_from;              // of the request
 };
 
 // Returns one JSON object. Scripts rely on its keys. Without verification, tunnels and redundant are null.

@@ -171,6 +171,7 @@ absl::StatusOr<VoxelizeReport> RunJob(const VoxelizeOptions& given, const CallOp
   report.names = upload->names;
   report.skipped = upload->skipped;
   report.weld = upload->weld;
+  if (const auto* enclosed = std::get_if<Enclosed>(&options.request.set)) report.leak_from = enclosed->leak_from;
   std::vector<Warning> warnings = hooks.warnings;
   warnings.insert(warnings.end(), upload->warnings.begin(), upload->warnings.end());
   if (auto status = Warn(warnings, options.strict, hooks.say); !status.ok()) return status;
