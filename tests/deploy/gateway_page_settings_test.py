@@ -41,6 +41,7 @@ WRONG = {
     "set=links&side=left": 'side: "left" is not one of both, inside, outside',
     "set=solid&rule=odd": 'rule: "odd" is not one of auto, parity, winding, positive',
     "set=solid&labels=color": 'labels: "color" is not one of none, part, material',
+    "set=region&seed=1,1,1&labels=part": 'labels: "part" counts only with set solid, supercover-solid, interior, enclosed,',
     "force-open=yes": 'force-open: "yes" counts only with set solid, supercover-solid, interior',
     "set=solid&verify=yes": 'verify: "yes" counts only with set surface, supercover',
     "verify=no": 'verify: "no" is not yes',
@@ -102,6 +103,8 @@ class PageSettings(PageCase):
             (f"set=supercover-solid&labels=material&fields={nearest},fraction,label_fractions&fraction-n=4&signed=yes",
              ["--set", "supercover-solid", "--labels", "material", "--signed",
               "--fields", f"{nearest},fraction:4,label_fractions:4"]),
+            ("set=enclosed-interior&labels=material&fields=distance",
+             ["--set", "enclosed-interior", "--labels", "material", "--fields", "distance"]),
             ("set=interior&k=1&fields=links,link_triangles,link_crossings",
              ["--set", "interior", "--separability", 1, "--fields", "links,link_triangles,link_crossings"]),
         ):  # fmt: skip

@@ -157,7 +157,7 @@ function fail(job, error) {
   if (reason === 'MESH_NOT_FOUND') say(`The server no longer has ${name}: drop the file once more.`, true);
   else say(`${message}${reason ? ` (${reason})` : ''}`, true);
   // There are the boxes that the server's message names.
-  if (/force_open|allow_outside|solid\.labels/.test(error.message)) byId('more').open = true;
+  if (/force_open|allow_outside|(solid|enclosed)\.labels/.test(error.message)) byId('more').open = true;
 }
 
 function finish({ summary, accepted, seconds, shown }) {

@@ -22,16 +22,18 @@ function latticeOf({ lattice, basis }) {
   return { basis: { a, b, c } };
 }
 
-const solid = (surface) => ({ rule, labels, 'force-open': open }) => ({
+const labelsOf = ({ labels }) => (labels === 'none' ? {} : { labels: `FIELD_${labels.toUpperCase()}` });
+
+const solid = (surface) => (settings) => ({
   solid: {
     surface: `SOLID_SURFACE_${surface}`,
-    forceOpen: open === 'yes',
-    ...(rule === 'auto' ? {} : { rule: `INTERIOR_RULE_${rule.toUpperCase()}` }),
-    ...(labels === 'none' ? {} : { labels: `FIELD_${labels.toUpperCase()}` }),
+    forceOpen: settings['force-open'] === 'yes',
+    ...(settings.rule === 'auto' ? {} : { rule: `INTERIOR_RULE_${settings.rule.toUpperCase()}` }),
+    ...labelsOf(settings),
   },
 });
-const enclosed = (surface) => ({ close }) => ({
-  enclosed: { surface: `SOLID_SURFACE_${surface}`, close: Number(close) },
+const enclosed = (surface) => (settings) => ({
+  enclosed: { surface: `SOLID_SURFACE_${surface}`, close: Number(settings.close), ...labelsOf(settings) },
 });
 
 const SETS = {

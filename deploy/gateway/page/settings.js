@@ -3,7 +3,8 @@
 import { FIELDS, LINK_FIELDS } from './fields.js';
 
 const SOLIDS = ['solid', 'supercover-solid', 'interior'],
-  WALKS = ['enclosed', 'enclosed-interior', 'region'];
+  ENCLOSED = ['enclosed', 'enclosed-interior'],
+  WALKS = [...ENCLOSED, 'region'];
 const SETS = ['surface', 'supercover', ...SOLIDS, 'band', ...WALKS, 'links'];
 const SEPARATING = ['surface', 'solid', ...WALKS, 'links'];
 const CELL_FIELDS = ['fraction', 'label_fractions'];
@@ -66,7 +67,7 @@ export const SETTINGS = {
   'allow-outside': { check: ticked, ...withSet('region') },
   side: { check: oneOf(['both', 'inside', 'outside']), ...withSet('links') },
   rule: { check: oneOf(['auto', 'parity', 'winding', 'positive']), ...withSet(...SOLIDS) },
-  labels: { check: oneOf(['none', 'part', 'material']), ...withSet(...SOLIDS) },
+  labels: { check: oneOf(['none', 'part', 'material']), ...withSet(...SOLIDS, ...ENCLOSED) },
   'force-open': { check: ticked, ...withSet(...SOLIDS) },
   fields: { check: fields },
   'fraction-n': { check: number(2, 16, 'a whole number'), ...withField(...CELL_FIELDS) },
@@ -89,7 +90,7 @@ export function faultOf(texts, all = texts) {
   return null;
 }
 
-// Returns the settings of texts that are right, with a list of fields: a labeled solid carries the field of its labels.
+// Returns the settings of texts that are right, with a list of fields: a labeled set carries the field of its labels.
 export function settingsOf(texts) {
   const found = counting(texts),
     labels = (found.labels ?? 'none') === 'none' ? [] : [found.labels];
