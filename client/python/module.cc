@@ -47,7 +47,7 @@ void BindVoxels(py::module_& module) {
             return Dense(voxels, box ? std::optional(IndexBox{box->first, box->second}) : std::nullopt, field);
           },
           arg("box"), arg("field"))
-      .def("save", &Save, arg("path"), arg("dense_npy"), arg("allow_http"));
+      .def("save", &Save, arg("path"), arg("dense_npy"), arg("array"), arg("allow_http"));
 }
 
 void BindCalls(py::module_& module) {

@@ -7,7 +7,9 @@
 #include "absl/strings/str_cat.h"
 #include "client/python/status.h"
 #include "client/python/work.h"
+#include "client/tool/cli/field_list.h"
 #include "client/tool/cli/remote_files.h"
+#include "client/tool/cli/shape_options.h"
 #include "client/tool/output/box_shape.h"
 #include "client/tool/output/field_columns.h"
 #include "client/tool/vdb/vdb.h"
@@ -185,12 +187,28 @@ absl::Status Write(const Voxels& voxels, const VoxelizeOptions& options, const C
 
 }  // namespace
 
-void Save(const Voxels& voxels, const std::string& path, bool dense_npy, bool allow_http) {
+namespace {
+
+// Errors: INVALID_ARGUMENT: the voxels carry no such field; the path's format is not one array.
+absl::Status SelectArray(const std::string& array, VoxelizeOptions& options) try {
+  if (const WrongWord wrong = CheckFieldList(array); !wrong.text.empty()) Refuse("--array: ", wrong.text);
+  options.output_options.array = ParseFieldList(array);
+  CheckArrayOutput(options.outputs, options.output_options);
+  CheckArray(options.request.fields, options.output_options);
+  return absl::OkStatus();
+} catch (const UsageError& error) {
+  return ToStatus(error);
+}
+
+}  // namespace
+
+void Save(const Voxels& voxels, const std::string& path, bool dense_npy, const std::string& array, bool allow_http) {
   VoxelizeOptions options;
   options.request = voxels.request;
   options.output_options = voxels.output_options;
   options.output_options.dense_npy = dense_npy;
   options.outputs = {path};
+  if (!array.empty()) Check(SelectArray(array, options));
   options.remote.allow_http = allow_http;
   Check(NameRemoteOutputs(options.outputs, options.remote));
   Run([&](Work& work) {

@@ -60,7 +60,8 @@ pybind11::array FieldArray(const SharedVoxels& voxels, const std::string& field)
 pybind11::tuple Dense(const Voxels& voxels, const std::optional<IndexBox>& box, const std::string& field);
 
 // Writes a file or a remote object, as `latvox voxelize -o` does. Throws the errors of OpenOutput and RemoteFiles.
-void Save(const Voxels& voxels, const std::string& path, bool dense_npy, bool allow_http);
+//   array   value of --array; empty: that of the call
+void Save(const Voxels& voxels, const std::string& path, bool dense_npy, const std::string& array, bool allow_http);
 
 }  // namespace latvox::client::python
 

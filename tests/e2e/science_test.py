@@ -226,6 +226,34 @@ class Science(ArrayCase):
             arrays = self.write(SPIDER, [".npy"], "--resolution", "12", "--fields", name, "--npy", "dense", "--pad", "2")
             numpy.testing.assert_array_equal(numpy.load(self.dir / "a.npy"), arrays[name])
 
+    def test_files_of_one_array_hold_the_fields_that_array_selects(self):
+        labeled = ["--resolution", "12", "--set", "solid", "--labels", "part", "--fields", "distance"]
+        cube = write_obj(self.dir / "cube.obj", box((0, 0, 0), (1, 1, 1)))
+        done = latvox("voxelize", cube, "-o", self.dir / "a.nrrd", *labeled)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("a.nrrd cannot hold distance,part; .vdb", done.stderr)
+        self.assertIn("--array selects some", done.stderr)
+        arrays = self.write(cube, [*IMAGES, ".vdb"], *labeled, "--array", "distance")
+        self.assertLessEqual({"part", "distance"}, arrays.keys(), "other files hold all")
+        self.check_images(arrays, "distance", "float32")
+        arrays = self.convert(IMAGES, "--array", "part")
+        self.assertLessEqual({"part", "distance"}, arrays.keys())
+        self.check_images(arrays, "part", "int32")
+        arrays = self.write(cube, [*IMAGES, ".binvox"], *labeled, "--array", "none")
+        self.check_images(arrays, "data", "uint8")
+        line = {"mesh": str(cube), "resolution": 12, "set": "solid", "labels": "part", "fields": ["distance"],
+                "array": ["distance"], "out": "b.nii"}  # fmt: skip
+        (self.dir / "jobs.jsonl").write_text(json.dumps(line) + "\n")
+        done = latvox("batch", self.dir / "jobs.jsonl", "--out", self.dir)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.write(cube, [".nii"], *labeled, "--array", "distance")
+        self.assertEqual((self.dir / "a.nii").read_bytes(), (self.dir / "b.nii").read_bytes())
+        line["array"] = "part"
+        (self.dir / "jobs.jsonl").write_text(json.dumps(line) + "\n")
+        done = latvox("batch", self.dir / "jobs.jsonl", "--out", self.dir)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertNotEqual((self.dir / "a.nii").read_bytes(), (self.dir / "b.nii").read_bytes(), "it is another job")
+
     def test_a_binvox_has_the_shape_of_the_npz(self):
         arrays = self.write(BUNNY, [".binvox"], "--dims", "24,24,24")
         head, _, runs = (self.dir / "a.binvox").read_bytes().partition(b"data\n")
@@ -263,13 +291,17 @@ class Science(ArrayCase):
     def test_convert_refuses_what_a_format_cannot_hold(self):
         self.write(BUNNY, [".vdb"], "--resolution", "12", "--lattice", "bcc", "--fields", "part,distance")
         for options, code, says in (
-            (["-o", "a.mha"], 3, "a.mha: cannot hold part,distance; .vdb .nvdb .csv .npy .npz .ply .png .html .vti .vtu .cells.vtu .h5 can, and --fields selects some"),
+            (["-o", "a.mha"], 3, "a.mha: cannot hold part,distance; .vdb .nvdb .csv .npy .npz .ply .png .html .vti .vtu .cells.vtu .h5 can, and --array selects some for this file"),
             (["-o", "b.npy", "--npy", "dense"], 3, "cannot hold part,distance"),
             (["-o", "b.csv", "-o", "a.vti"], 3, "a.vti: the format holds boxes along the axes only"),
             (["-o", "b.csv", "--fields", "color"], 3, "a.vdb: has no field color"),
             (["-o", "b.csv", "--fields", "links"], 3, "a.vdb: has no field links"),
             (["-o", "b.csv", "--pad", "1"], 2, "--pad: needs an output with a shape"),
-            (["-o", "b.links.csv"], 3, "b.links.csv: cannot hold"),
+            (["-o", "b.links.csv"], 3, "b.links.csv: cannot hold part,distance; "),
+            (["-o", "b.glb"], 3, " can, and --fields selects some for all files"),
+            (["-o", "b.nii", "--array", "color"], 3, "a.vdb: has no field color"),
+            (["-o", "b.nii", "--fields", "part", "--array", "distance"], 2, "--array: distance is not among --fields"),
+            (["-o", "b.csv", "--array", "part"], 2, "--array: needs an output of one array"),
             (["-o", "b.nii", "--fields", "part", "--dims", "3,99,99"], 3, "b.nii: --dims: 3 along i is less than"),
         ):  # fmt: skip
             before = sorted(self.dir.iterdir())

@@ -5,6 +5,7 @@ import re
 import latvox
 import numpy as np
 import pytest
+from bodies import write_bodies
 from harness import BUNNY, box, latvox as run_tool, octahedron, write_obj
 
 # For each keyword, values that make sense, and what they need besides.
@@ -49,7 +50,7 @@ VALUES = {
     "strict": (True, {}),
     "weld_report": (True, {}),
 }
-OF_FILES = {"out", "npy", "dims", "pad", "align"}  # tested below
+OF_FILES = {"out", "npy", "array", "dims", "pad", "align"}  # tested below
 OF_COMMAND_LINE = {"help", "quiet", "json", "output_format"}
 
 
@@ -94,6 +95,20 @@ def test_an_option_means_what_it_means_to_the_tool(name, tool, tmp_path, server)
         assert v.report[key] == report[key], key
 
 
+def test_an_enclosed_set_has_labels_by_priority(tool, tmp_path, server):
+    bodies = {"low": box((0, 0, 0), (6, 6, 6)), "high": box((3, 3, 3), (9, 9, 9))}
+    mesh = write_bodies(tmp_path / "bodies.obj", bodies)
+    found = {}
+    for priority in (["low"], [1, 0]):
+        options = {"resolution": 16, "set": "enclosed-interior", "labels": "part", "priority": priority}
+        path, report = tool.voxelize(mesh, *words(options))
+        v = server.voxelize(mesh, **options)
+        assert v.digest == report["digest"]
+        assert np.array_equal(v["part"], np.load(path)["part"])
+        found[str(priority)] = np.count_nonzero(v["part"])
+    assert found["['low']"] < found["[1, 0]"]
+
+
 def test_defaults_are_those_of_the_tool(tool, server):
     path, report = tool.voxelize(BUNNY)
     v = server.voxelize(BUNNY, lattice=None)
@@ -128,6 +143,29 @@ def test_dims_and_pad_shape_dense_arrays(tmp_path, server):
     assert np.array_equal(np.load(tmp_path / "own.npz")["data"].astype(bool), data)
     with pytest.raises(latvox.InvalidArgument, match=r"dense\(\): dims: 4 along i is less than the"):
         server.voxelize(mesh, resolution=9, dims=(4, 40, 40)).dense()
+
+
+def test_array_selects_the_fields_of_files_of_one_array(tool, tmp_path, server):
+    mesh = write_obj(tmp_path / "mesh.obj", octahedron())
+    labeled = {"resolution": 9, "set": "solid", "labels": "part", "fields": ["distance"]}
+    v = server.voxelize(mesh, **labeled, array=["distance"], out=tmp_path / "own.nrrd")
+    path, _ = tool.voxelize(mesh, *words(labeled), "--array", "distance", out="tool.nrrd")
+    assert (tmp_path / "own.nrrd").read_bytes() == path.read_bytes()
+    v.save(tmp_path / "saved.nrrd")
+    assert (tmp_path / "saved.nrrd").read_bytes() == path.read_bytes()
+    for array in ("part", ["part"]):
+        v.save(tmp_path / "part.npy", npy="dense", array=array)
+        assert np.array_equal(np.load(tmp_path / "part.npy"), v.dense("part").data)
+    v = server.voxelize(mesh, **labeled)
+    for array, out, text in (
+        (None, "a.nrrd", "a.nrrd: cannot hold distance,part; .vdb"),
+        (None, "a.nrrd", "and array selects some for this file"),
+        ("normal", "a.nrrd", "array: normal is not among fields"),
+        ("weight", "a.nrrd", 'array: "weight" is neither none nor a field'),
+        ("part", "a.vdb", "array: needs an output of one array"),
+    ):
+        with pytest.raises(latvox.InvalidArgument, match=text):
+            v.save(tmp_path / out, array=array)
 
 
 def test_out_writes_files_and_align_reads_one(tool, tmp_path, server):

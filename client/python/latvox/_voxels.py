@@ -179,17 +179,26 @@ class Voxels(Bricks):
         affine[:3, 3] += self.basis.T @ np.array(low)
         return Dense(data, low, affine)
 
-    def save(self, path: Union[str, os.PathLike], npy: str = "coordinates", *, allow_http: bool = False) -> None:
+    def save(
+        self,
+        path: Union[str, os.PathLike],
+        npy: str = "coordinates",
+        *,
+        array: Union[None, str, Sequence[str]] = None,
+        allow_http: bool = False,
+    ) -> None:
         """Writes a file in the format of its extension, as `latvox voxelize -o` does; see EXTENSIONS.
 
         An existing file is replaced, once the new one is complete.
         path: also "s3://BUCKET/KEY", or the URL of a web server that takes files.
         npy: content of a .npy, "coordinates" or "dense".
         allow_http: whether an http: URL may be of another machine. Everybody in between can read and change the file.
+        array: fields of a file that is one array, such as .nii; or "none". None: the call's array, else all fields.
         """
         if npy not in ("coordinates", "dense"):
             raise ValueError(f'npy: "{npy}" is not one of coordinates, dense')
-        self._voxels.save(os.fspath(path), npy == "dense", allow_http)
+        fields = array if isinstance(array, str) else ",".join(array or ())
+        self._voxels.save(os.fspath(path), npy == "dense", fields, allow_http)
 
     def _repr_png_(self) -> bytes:
         """Returns a picture, for notebooks."""

@@ -9,8 +9,8 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
-#include "absl/strings/str_split.h"
 #include "client/tool/cli/common_options.h"
+#include "client/tool/cli/field_list.h"
 #include "client/tool/confined/foreign_grid.h"
 #include "client/tool/output/file_metadata.h"
 #include "client/tool/output/labels.h"
@@ -22,36 +22,23 @@
 namespace latvox::client {
 namespace {
 
-constexpr char kNoFields[] = "none";
 constexpr const char* kCutOut[] = {"latvox_region", "latvox_bounds", "latvox_shard"};
 
-std::optional<Field> FieldNamed(absl::string_view name) {
-  for (const FieldFacts& facts : kFields) {
-    if (name == facts.name) return facts.field;
-  }
-  return std::nullopt;
-}
-
-std::string CheckConvertedFields(const std::string& text) {
-  if (text == kNoFields) return "";
-  for (const absl::string_view name : absl::StrSplit(text, ',')) {
-    if (!FieldNamed(name)) return absl::StrCat("\"", name, "\" is neither none nor a field");
-  }
-  return "";
-}
-
-std::string Join(const std::vector<Field>& fields) {
-  return absl::StrJoin(fields, ",", [](std::string* out, Field field) { *out += NameOf(field); });
-}
-
-// Keeps these fields, in their order. Errors: INVALID_ARGUMENT: the file lacks one.
-absl::Status Select(const std::vector<Field>& fields, const std::string& path, GridContent& content) {
-  std::vector<FieldValues> selected;
+// Errors: INVALID_ARGUMENT: the file lacks a field.
+absl::Status CheckHas(const std::vector<Field>& fields, const std::string& path, const GridContent& content) {
   for (const Field field : fields) {
-    const FieldValues* const values = FindField(content.fields, field);
-    if (values == nullptr) return absl::InvalidArgumentError(absl::StrCat(path, ": has no field ", NameOf(field)));
-    selected.push_back(*values);
+    if (FindField(content.fields, field) == nullptr) {
+      return absl::InvalidArgumentError(absl::StrCat(path, ": has no field ", NameOf(field)));
+    }
   }
+  return absl::OkStatus();
+}
+
+// Keeps these fields, in their order. Errors: those of CheckHas.
+absl::Status Select(const std::vector<Field>& fields, const std::string& path, GridContent& content) {
+  if (auto status = CheckHas(fields, path, content); !status.ok()) return status;
+  std::vector<FieldValues> selected;
+  for (const Field field : fields) selected.push_back(*FindField(content.fields, field));
   const auto is_of_links = [](const FieldValues& values) { return FactsOf(values.field).is_of_links(); };
   if (std::none_of(selected.begin(), selected.end(), is_of_links)) content.neighbors.clear();
   content.fields = std::move(selected);
@@ -77,15 +64,11 @@ VoxelizeRequest RequestOf(const GridContent& content, const std::vector<Field>& 
 
 absl::StatusOr<std::unique_ptr<Output>> Open(const std::string& path, const VoxelizeRequest& request,
                                              const OutputOptions& options) {
-  const std::vector<Field>& fields = request.fields;
-  const std::vector<std::string> able = ExtensionsFor(fields);
-  const bool fits = !options.dense_npy || !HasExtension(path, {".npy"}) || FitsOneArray(fields);
-  if (!HasExtension(path, able) || !fits) {
-    const std::string holds = fields.empty() ? "voxels without links" : Join(fields);
-    return absl::InvalidArgumentError(absl::StrCat(path, ": cannot hold ", holds, "; ", absl::StrJoin(able, " "),
-                                                   " can", fields.empty() ? "" : ", and --fields selects some"));
-  }
-  return OpenOutput(path, request, options);
+  const std::string why_not = WhyNotHeld(path, request.fields, options);
+  if (why_not.empty()) return OpenOutput(path, request, options);
+  const bool may_select = !request.fields.empty() && !IsOneArray(path, options);
+  return absl::InvalidArgumentError(
+      absl::StrCat(path, ": ", why_not, may_select ? ", and --fields selects some for all files" : ""));
 }
 
 // Returns whether the metadatum is about the values of this field.
@@ -112,7 +95,7 @@ MetadataPairs MetadataWith(const std::vector<Field>& fields, bool all, const Gri
   MetadataPairs metadata;
   for (const auto& [name, text] : info.metadata) {
     if (!absl::StartsWith(name, "latvox_") || is_left_out(name)) continue;
-    metadata.emplace_back(name, name == "latvox_fields" && !all ? Join(fields) : text);
+    metadata.emplace_back(name, name == "latvox_fields" && !all ? JoinNames(fields) : text);
   }
   return metadata;
 }
@@ -141,7 +124,7 @@ void AddConvertOptions(CommandParser& command, ConvertWords& words) {
                 .target = &words.fields,
                 .help = "Fields of the file to write, or none",
                 .value = "NAME,...",
-                .checks = {{CheckConvertedFields}},
+                .checks = {{CheckFieldList}},
                 .standard = "all"}});
   command.Add(ShapeRows(words.shape));
 }
@@ -149,12 +132,9 @@ void AddConvertOptions(CommandParser& command, ConvertWords& words) {
 ConvertOptions Interpret(const ConvertWords& words) {
   CheckOutputs(words.outputs, words.input, "file");
   ConvertOptions options = {words.input, words.outputs, std::nullopt, {}};
-  if (words.fields == kNoFields) options.fields.emplace();
-  if (!words.fields.empty() && words.fields != kNoFields) {
-    options.fields.emplace();
-    for (const absl::string_view name : absl::StrSplit(words.fields, ',')) options.fields->push_back(*FieldNamed(name));
-  }
+  if (!words.fields.empty()) options.fields = ParseFieldList(words.fields);
   InterpretShape(words.shape, words.outputs, options.output_options);
+  if (options.fields) CheckArray(*options.fields, options.output_options);
   return options;
 }
 
@@ -163,6 +143,9 @@ absl::StatusOr<std::string> RunConvert(const ConvertOptions& options, const Canc
   if (!content.ok()) return content.status();
   if (options.fields) {
     if (auto status = Select(*options.fields, options.input, *content); !status.ok()) return status;
+  }
+  if (const auto& array = options.output_options.array) {
+    if (auto status = CheckHas(*array, options.input, *content); !status.ok()) return status;
   }
   std::vector<Field> fields;
   Accepted accepted;
@@ -197,7 +180,7 @@ absl::StatusOr<std::string> RunConvert(const ConvertOptions& options, const Canc
   if (cancellation.cancelled()) return absl::CancelledError("cancelled");
   if (auto status = CommitAll(outputs); !status.ok()) return status;
   return absl::StrCat(options.input, ": ", info.active_voxels, " voxels",
-                      fields.empty() ? "" : absl::StrCat(" with ", Join(fields)), "\nwrote ",
+                      fields.empty() ? "" : absl::StrCat(" with ", JoinNames(fields)), "\nwrote ",
                       absl::StrJoin(options.outputs, ", "), "\n");
 }
 

@@ -147,6 +147,7 @@ absl::StatusOr<std::string> JobDigest(const Job& job) {
   if (input.format) json["input_format"] = static_cast<int>(*input.format);
   if (job.options.output_options.picture_up != UpAxis::kY) json["picture_up"] = "z";
   if (job.options.output_options.dense_npy) json["npy"] = "dense";
+  if (const auto& array = job.options.output_options.array) json["array"] = JoinNames(*array);
   const BoxShape& shape = job.options.output_options.shape;
   if (shape.dims) json["dims"] = *shape.dims;
   if (shape.pad > 0) json["pad"] = shape.pad;

@@ -61,6 +61,7 @@ constexpr std::pair<const char*, Kind> kLineFields[] = {
     {"weld_report", Kind::kFlag},
     {"strict", Kind::kFlag},
     {"npy", Kind::kText},
+    {"array", Kind::kTexts},
     {"dims", Kind::kNumbers},
     {"pad", Kind::kNumber},
 };

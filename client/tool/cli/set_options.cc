@@ -12,6 +12,7 @@
 #include "absl/strings/strip.h"
 #include "client/tool/cli/common_options.h"
 #include "client/tool/cli/set_labels.h"
+#include "client/tool/cli/shape_options.h"
 #include "client/tool/output/output.h"
 
 namespace latvox::client {
@@ -162,19 +163,18 @@ void InterpretBaseColors(const VoxelizeWords& words, VoxelizeOptions& options) {
   ParseNumber(words.alpha_cutoff, options.alpha_cutoff.emplace());
 }
 
-void CheckCarry(const std::vector<Field>& fields, const std::vector<std::string>& outputs) {
-  const std::vector<std::string> extensions = ExtensionsFor(fields);
-  const auto name = [](std::string* out, Field field) { *out += NameOf(field); };
-  for (const std::string& output : outputs) {
-    if (HasExtension(output, extensions)) continue;
-    if (fields.empty()) {
-      if (HasExtension(output, OutputExtensions())) {
-        Refuse("--fields: ", output, " needs links, link_triangles or link_crossings");
-      }
-      continue;  // another check names the extension
-    }
-    Refuse("--fields: ", output, " cannot hold ", absl::StrJoin(fields, ",", name), "; ",
-           absl::StrJoin(extensions, " "), " can");
+// Refuses outputs that cannot hold the fields that they get.
+void CheckHeld(const VoxelizeOptions& options) {
+  const OutputOptions& of_outputs = options.output_options;
+  const std::vector<Field>& fields = options.request.fields;
+  CheckArray(fields, of_outputs);
+  for (const std::string& output : options.outputs) {
+    if (!HasExtension(output, OutputExtensions())) continue;  // another check names the extension
+    const std::string why_not = WhyNotHeld(output, fields, of_outputs);
+    if (why_not.empty()) continue;
+    if (fields.empty()) Refuse("--fields: ", output, " needs links, link_triangles or link_crossings");
+    const bool is_selected = of_outputs.array && IsOneArray(output, of_outputs);
+    Refuse(is_selected ? "--array: " : "--fields: ", output, " ", why_not);
   }
 }
 
@@ -373,15 +373,11 @@ void InterpretFields(const VoxelizeWords& words, VoxelizeOptions& options) {
   }
   request.signed_distance = words.is_signed;
   if (words.is_signed && !CarriesField(request.fields, Field::kDistance)) Refuse("--signed: needs --fields distance");
-  if (request.fields.empty()) return CheckCarry({}, options.outputs);
-  if (options.output_options.dense_npy && !FitsOneArray(request.fields)) {
-    Refuse("--npy: dense holds one field, and none of links or labels; .npz holds all");
-  }
   for (const Field field : request.fields) {
     if (FactsOf(field).is_of_mesh) options.mesh.attributes.push_back(field);
   }
   CheckOrder(options);
-  CheckCarry(request.fields, options.outputs);
+  CheckHeld(options);
 }
 
 }  // namespace latvox::client

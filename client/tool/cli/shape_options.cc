@@ -5,6 +5,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "client/tool/cli/common_options.h"
+#include "client/tool/cli/field_list.h"
 
 namespace latvox::client {
 namespace {
@@ -29,6 +30,13 @@ std::vector<OptionRow> ShapeRows(ShapeWords& words) {
        .words = {"coordinates", "dense"},
        .word_help = {"one row per voxel", "a box of 0 and 1, or of one field"},
        .standard = "coordinates"},
+      {.names = "--array",
+       .target = &words.array,
+       .help = "Fields that files of one array hold, or none; other files hold all. Files of one array are .binvox, "
+               ".nrrd, .mha, .mhd, .nii, .nii.gz, and .npy with --npy dense",
+       .value = "NAME,...",
+       .checks = {{CheckFieldList}},
+       .standard = "all"},
       {.names = "--dims",
        .target = &words.dims,
        .help = absl::StrCat("Shape of dense arrays: this many points along i, j and k, with the voxels in the middle; "
@@ -53,13 +61,27 @@ void InterpretShape(const ShapeWords& words, const std::vector<std::string>& out
   options.dense_npy = words.npy == "dense";
   if (!words.dims.empty()) ParseNumbers(words.dims, options.shape.dims.emplace());
   if (!words.pad.empty()) ParseNumber(words.pad, options.shape.pad);
-  if (words.is_for_memory || options.shape == BoxShape()) return;
+  if (!words.array.empty()) options.array = ParseFieldList(words.array);
+  if (words.is_for_memory) return;
+  if (options.array) CheckArrayOutput(outputs, options);
   const auto has_shape = [&](const std::string& path) {
     return HasExtension(path, ShapedExtensions()) && (options.dense_npy || !is_npy(path));
   };
-  if (std::any_of(outputs.begin(), outputs.end(), has_shape)) return;
+  if (options.shape == BoxShape() || std::any_of(outputs.begin(), outputs.end(), has_shape)) return;
   Refuse(words.dims.empty() ? "--pad" : "--dims",
          ": needs an output with a shape: ", absl::StrJoin(ShapedExtensions(), " "), "; for .npy, also --npy dense");
+}
+
+void CheckArrayOutput(const std::vector<std::string>& outputs, const OutputOptions& options) {
+  const auto is_one_array = [&options](const std::string& path) { return IsOneArray(path, options); };
+  if (std::any_of(outputs.begin(), outputs.end(), is_one_array)) return;
+  Refuse("--array: needs an output of one array, such as .nrrd or .nii; for .npy, also --npy dense");
+}
+
+void CheckArray(const std::vector<Field>& fields, const OutputOptions& options) {
+  for (const Field field : options.array.value_or(std::vector<Field>())) {
+    if (!CarriesField(fields, field)) Refuse("--array: ", NameOf(field), " is not among --fields");
+  }
 }
 
 }  // namespace latvox::client

@@ -1,4 +1,4 @@
-// The options of dense arrays: --npy, --dims and --pad.
+// The options of dense arrays: --npy, --array, --dims and --pad.
 #ifndef LATVOX_CLIENT_TOOL_CLI_SHAPE_OPTIONS_H_
 #define LATVOX_CLIENT_TOOL_CLI_SHAPE_OPTIONS_H_
 
@@ -12,14 +12,20 @@ namespace latvox::client {
 
 // The words as given. Parsing writes into them.
 struct ShapeWords {
-  std::string npy, dims, pad;
+  std::string npy, array, dims, pad;
   bool is_for_memory = false;  // the caller makes arrays of the voxels itself, so no output needs a shape
 };
 
 std::vector<OptionRow> ShapeRows(ShapeWords& words);
 
-// Writes the shape to `options`. Throws UsageError if nothing has one.
+// Writes the options of arrays to `options`. Throws UsageError if no output has what they are about.
 void InterpretShape(const ShapeWords& words, const std::vector<std::string>& outputs, OutputOptions& options);
+
+// Throws UsageError if no output is one array.
+void CheckArrayOutput(const std::vector<std::string>& outputs, const OutputOptions& options);
+
+// Throws UsageError if --array has a field that voxels with these fields lack.
+void CheckArray(const std::vector<Field>& fields, const OutputOptions& options);
 
 }  // namespace latvox::client
 

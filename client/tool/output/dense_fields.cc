@@ -55,9 +55,9 @@ absl::Status DenseFields::SetBox(const std::optional<IndexBox>& box) {
 
 absl::Status DenseFields::Add(const BrickBatch& batch) {
   box_.Add(batch);
-  for (size_t n = 0; n < fields_.size(); ++n) {
-    const std::vector<std::byte>& more = batch.fields[n].bytes;
-    fields_[n].bytes.insert(fields_[n].bytes.end(), more.begin(), more.end());
+  for (FieldValues& values : fields_) {
+    const std::vector<std::byte>& more = FindField(batch.fields, values.field)->bytes;
+    values.bytes.insert(values.bytes.end(), more.begin(), more.end());
   }
   for (const Brick& brick : batch.bricks) voxels_.Add(brick);
   return voxels_.box() ? ShapedBox(*voxels_.box(), shape_, target_).status() : absl::OkStatus();

@@ -44,7 +44,7 @@ class DenseFields {
   // DenseBox::SetBox.
   absl::Status Begin(const Accepted& accepted, const std::string& target);
 
-  // Errors: those of ShapedBox, as soon as the voxels do not fit.
+  // The batch may carry more fields. Errors: those of ShapedBox, as soon as the voxels do not fit.
   absl::Status Add(const BrickBatch& batch);
 
   // Call it after the last batch, and then box(), corner() and Arrays().

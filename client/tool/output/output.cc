@@ -229,7 +229,14 @@ constexpr Format kFormats[] = {
     {kNiiGz, "NIfTI, compressed", NewImage<ImageFormat::kNiftiGzip>, Holds::kOne},
 };
 
-bool CanHold(const Format& format, const std::vector<Field>& fields) {
+// Returns whether an array with one element per lattice point can hold the fields: none, or one that is neither of
+// links nor of labels.
+bool FitsOneArray(const std::vector<Field>& fields) {
+  return fields.size() <= 1 && !CarriesLinks(fields) && !CarriesField(fields, Field::kLabelFractions);
+}
+
+bool CanHold(const Format& format, const std::vector<Field>& fields, const OutputOptions& options) {
+  if (options.dense_npy && format.extension == kNpy) return FitsOneArray(fields);
   if (format.holds == Holds::kLinks) {
     const auto is_of_links = [](Field field) { return FactsOf(field).is_of_links(); };
     return !fields.empty() && std::all_of(fields.begin(), fields.end(), is_of_links);
@@ -245,9 +252,17 @@ bool CanHold(const Format& format, const std::vector<Field>& fields) {
   return format.holds == Holds::kColor && fields == std::vector<Field>{Field::kColor};
 }
 
-absl::Status WrongExtension(const std::string& path, const std::vector<std::string>& extensions) {
-  return absl::InvalidArgumentError(
-      absl::StrCat(path, ": extension \"", ExtensionOf(path), "\" is not one of ", absl::StrJoin(extensions, " ")));
+// Returns the format of the path's extension, or nullptr.
+const Format* FormatOf(const std::string& path) {
+  const auto has_extension = [extension = ExtensionOf(path)](const Format& format) {
+    return extension == format.extension;
+  };
+  const auto* const format = std::find_if(std::begin(kFormats), std::end(kFormats), has_extension);
+  return format == std::end(kFormats) ? nullptr : format;
+}
+
+std::vector<Field> FieldsIn(const std::string& path, const std::vector<Field>& fields, const OutputOptions& options) {
+  return options.array && IsOneArray(path, options) ? *options.array : fields;
 }
 
 }  // namespace
@@ -259,16 +274,8 @@ std::string ExtensionOf(const std::string& path) {
   return absl::AsciiStrToLower(std::filesystem::path(path).extension().string());
 }
 
-bool FitsOneArray(const std::vector<Field>& fields) {
-  return fields.size() <= 1 && !CarriesLinks(fields) && !CarriesField(fields, Field::kLabelFractions);
-}
-
-std::vector<std::string> ExtensionsFor(const std::vector<Field>& fields) {
-  std::vector<std::string> extensions;
-  for (const Format& format : kFormats) {
-    if (CanHold(format, fields)) extensions.push_back(format.extension);
-  }
-  return extensions;
+std::string JoinNames(const std::vector<Field>& fields) {
+  return absl::StrJoin(fields, ",", [](std::string* out, Field field) { *out += NameOf(field); });
 }
 
 bool HasExtension(const std::string& path, const std::vector<std::string>& extensions) {
@@ -290,6 +297,24 @@ const std::vector<std::string>& ShapedExtensions() {
   return *kExtensions;
 }
 
+bool IsOneArray(const std::string& path, const OutputOptions& options) {
+  const bool several = HasExtension(path, {".npz", ".vti"}), is_npy = HasExtension(path, {kNpy});
+  return HasExtension(path, ShapedExtensions()) && !several && (options.dense_npy || !is_npy);
+}
+
+std::string WhyNotHeld(const std::string& path, const std::vector<Field>& fields, const OutputOptions& options) {
+  const std::vector<Field> in_file = FieldsIn(path, fields, options);
+  std::vector<std::string> able;
+  for (const Format& format : kFormats) {
+    if (CanHold(format, in_file, options)) able.emplace_back(format.extension);
+  }
+  if (HasExtension(path, able)) return "";
+  const std::string held = in_file.empty() ? "voxels without links" : JoinNames(in_file);
+  const bool may_select = IsOneArray(path, options) && !options.array;
+  return absl::StrCat("cannot hold ", held, "; ", absl::StrJoin(able, " "), " can",
+                      may_select ? ", and --array selects some for this file" : "");
+}
+
 std::vector<std::pair<std::string, std::string>> StreamedFormats() {
   std::vector<std::pair<std::string, std::string>> formats;
   for (const Format& format : kFormats) {
@@ -300,9 +325,8 @@ std::vector<std::pair<std::string, std::string>> StreamedFormats() {
 
 std::optional<Warning> WarningOfPlace(const std::vector<std::string>& paths) {
   const auto is_placed = [](const std::string& path) {
-    return std::any_of(std::begin(kFormats), std::end(kFormats), [extension = ExtensionOf(path)](const Format& format) {
-      return extension == format.extension && format.is_placed;
-    });
+    const Format* const format = FormatOf(path);
+    return format != nullptr && format->is_placed;
   };
   const auto npy =
       std::find_if(paths.begin(), paths.end(), [](const auto& path) { return HasExtension(path, {kNpy}); });
@@ -313,17 +337,21 @@ std::optional<Warning> WarningOfPlace(const std::vector<std::string>& paths) {
 
 absl::StatusOr<std::unique_ptr<Output>> OpenOutput(const std::string& path, const VoxelizeRequest& request,
                                                    const OutputOptions& options) {
-  const std::string extension = ExtensionOf(path);
-  for (const Format& format : kFormats) {
-    if (extension != format.extension || !CanHold(format, request.fields)) continue;
-    if (format.by_openvdb) {
-      if (auto status = Vdb::Prepare(); !status.ok()) return status;
-    }
-    auto file = AtomicFile::Create(path);
-    if (!file.ok()) return file.status();
-    return format.open(*std::move(file), request, options);
+  const Format* const format = FormatOf(path);
+  if (format == nullptr) {
+    return absl::InvalidArgumentError(absl::StrCat(path, ": extension \"", ExtensionOf(path), "\" is not one of ",
+                                                   absl::StrJoin(OutputExtensions(), " ")));
   }
-  return WrongExtension(path, ExtensionsFor(request.fields));
+  const std::string why_not = WhyNotHeld(path, request.fields, options);
+  if (!why_not.empty()) return absl::InvalidArgumentError(absl::StrCat(path, ": ", why_not));
+  if (format->by_openvdb) {
+    if (auto status = Vdb::Prepare(); !status.ok()) return status;
+  }
+  auto file = AtomicFile::Create(path);
+  if (!file.ok()) return file.status();
+  VoxelizeRequest of_file = request;
+  of_file.fields = FieldsIn(path, request.fields, options);
+  return format->open(*std::move(file), of_file, options);
 }
 
 }  // namespace latvox::client

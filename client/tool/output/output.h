@@ -46,20 +46,17 @@ using MetadataPairs = std::vector<std::pair<std::string, std::string>>;
 // Options of an output besides its extension.
 struct OutputOptions {
   bool dense_npy = false;
-  BoxShape shape = {};                                   // of dense arrays
-  UpAxis picture_up = UpAxis::kY;                        // axis of the world that points up in a .png or .html
-  MeshNote note = {};                                    // of the mesh, for the metadata of grids
-  MakePage make_page = nullptr;                          // of a .html, which needs it
-  std::optional<MetadataPairs> metadata = std::nullopt;  // of grids, in place of request, note and summary
+  std::optional<std::vector<Field>> array = std::nullopt;  // fields of an output that IsOneArray; absent: all
+  BoxShape shape = {};                                     // of dense arrays
+  UpAxis picture_up = UpAxis::kY;                          // axis of the world that points up in a .png or .html
+  MeshNote note = {};                                      // of the mesh, for the metadata of grids
+  MakePage make_page = nullptr;                            // of a .html, which needs it
+  std::optional<MetadataPairs> metadata = std::nullopt;    // of grids, in place of request, note and summary
 };
 
 // Returns the extension, with the dot, in lower case. ".nii.gz", ".links.csv" and ".cells.vtu" are
 // one.
 std::string ExtensionOf(const std::string& path);
-
-// Returns whether an array with one element per lattice point can hold the fields: none, or one that is neither of
-// links nor of labels.
-bool FitsOneArray(const std::vector<Field>& fields);
 
 // Returns the extensions that OpenOutput supports, with the dot.
 const std::vector<std::string>& OutputExtensions();
@@ -71,11 +68,19 @@ const std::vector<std::string>& ShapedExtensions();
 // it is.
 std::vector<std::pair<std::string, std::string>> StreamedFormats();
 
-// Returns the extensions that support voxels with these fields. Except pictures, these formats store them.
-std::vector<std::string> ExtensionsFor(const std::vector<Field>& fields);
-
 // Returns whether the path has one of these extensions.
 bool HasExtension(const std::string& path, const std::vector<std::string>& extensions);
+
+// Returns whether the file is one array with an element per lattice point: a dense .npy, a .binvox, or an image. Then
+// OutputOptions::array selects its fields.
+bool IsOneArray(const std::string& path, const OutputOptions& options);
+
+// Returns the names with commas between them: "part,distance".
+std::string JoinNames(const std::vector<Field>& fields);
+
+// Returns "" if the output can hold or show voxels with these fields, or those of them that it gets. Otherwise says
+// what it cannot hold, and what can: "cannot hold part,distance; .vdb .csv can".
+std::string WhyNotHeld(const std::string& path, const std::vector<Field>& fields, const OutputOptions& options);
 
 // Returns the warning NO_TRANSFORM if a .npy is among the paths, and none of the files tells where in the world the
 // voxels are. Otherwise returns nothing.
@@ -97,7 +102,7 @@ std::optional<Warning> WarningOfPlace(const std::vector<std::string>& paths);
 //   .links.csv, .links.npz   crossed links: see client/tool/output/link_output.h
 //   .vti, .vtu, .cells.vtu   cells of a box, points, and Voronoi cells: see client/tool/output/vtk_output.h
 //   .nrrd, .mha, .mhd, .nii, .nii.gz   images in space, see client/tool/output/image_output.h
-// A request with fields needs one of ExtensionsFor: fields of links do not fit .vti, images, .glb, .binvox and .vox.
+// WhyNotHeld tells which fields do not fit: those of links neither .vti nor images, .glb, .binvox and .vox.
 // Columns are those of client/tool/output/field_columns.h. label_fractions is an array, a grid, a column or a member
 // for each label, with FractionName, and in a .h5 an array with a column for each:
 //   .vdb, .nvdb   one more grid for each, see latvox/grid/field_grids.h; a band with distances alone, see
@@ -114,8 +119,8 @@ std::optional<Warning> WarningOfPlace(const std::vector<std::string>& paths);
 //   images   components of each element, if the fields have one type of numbers; NIfTI one field
 // Voxels come in the order of the stream, those of a brick in lexicographic order. Memory does not grow with the
 // voxels, except for .vdb, .nvdb, .html, .glb, .binvox, .vox and dense arrays: .npy, .npz, .vti and images, and .vtu.
-// Errors: INVALID_ARGUMENT (extension); FAILED_PRECONDITION: the file cannot be created; of .vdb, .nvdb and .html,
-// those of Vdb::Prepare, and later those of Vdb::Load.
+// Errors: INVALID_ARGUMENT: the extension; the fields, see WhyNotHeld; FAILED_PRECONDITION: the file cannot be created;
+// of .vdb, .nvdb and .html, those of Vdb::Prepare, and later those of Vdb::Load.
 absl::StatusOr<std::unique_ptr<Output>> OpenOutput(const std::string& path, const VoxelizeRequest& request = {},
                                                    const OutputOptions& options = {});
 

@@ -75,6 +75,30 @@ TEST(FileOptions, ShapesNeedAnArrayWithAShape) {
   Refuses({"--pad", "1", "-o", "a.csv"}, {"--pad", ".npz", ".vti"});
 }
 
+TEST(FileOptions, ArraySelectsTheFieldsOfFilesOfOneArray) {
+  const std::vector<std::string> labeled = {"--set", "solid", "--labels", "part", "--fields", "distance"};
+  const auto with = [&labeled](std::vector<std::string> words) {
+    words.insert(words.end(), labeled.begin(), labeled.end());
+    return words;
+  };
+  for (const char* path : {"a.nrrd", "a.mha", "a.nii"}) {
+    Refuses(with({"-o", path}), {"--fields", path, "cannot hold distance,part", ".vdb", "--array selects some"});
+    EXPECT_EQ(Refusal(with({"-o", path, "--array", "distance"})), "accepted");
+    EXPECT_EQ(Refusal(with({"-o", path, "--array", "none"})), "accepted");
+    Refuses(with({"-o", path, "--array", "normal"}), {"--array: normal is not among --fields"});
+  }
+  EXPECT_EQ(Refusal(with({"-o", "a.binvox", "--array", "none"})), "accepted");
+  EXPECT_EQ(Refusal(with({"-o", "a.npy", "--npy", "dense", "--array", "part"})), "accepted");
+  const VoxelizeOptions options = Parse(with({"-o", "a.nii", "--array", "distance"}));
+  EXPECT_THAT(options.output_options.array, testing::Optional(ElementsAre(Field::kDistance)));
+  EXPECT_THAT(options.request.fields, ElementsAre(Field::kDistance, Field::kPart));
+  Refuses({"-o", "a.nii", "--fields", "part,material,normal", "--array", "part,material"},
+          {"--array", "a.nii", "cannot hold part,material", ".nrrd"});
+  Refuses(with({"-o", "a.npy", "--array", "part"}), {"--array", "needs an output of one array", "--npy dense"});
+  Refuses(with({"-o", "a.nii", "--array", "part,part"}), {"--array", "part", "twice"});
+  Refuses(with({"-o", "a.nii", "--array", "weight"}), {"--array", "weight", "neither none nor a field"});
+}
+
 TEST(FileOptions, ImagesHoldOneFieldAndCellsBoxes) {
   EXPECT_EQ(Refusal({"--resolution", "9", "--fields", "part", "-o", "a.nii.gz"}), "accepted");
   EXPECT_EQ(Refusal({"--voxel-size", "1,1,2", "-o", "a.vti"}), "accepted");

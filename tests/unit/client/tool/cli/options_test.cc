@@ -268,7 +268,7 @@ TEST(Options, RefusalsOfSetsNameOptionValueAndLimit) {
   Refuses({"--resolution", "9", "--set", "band"}, {"--set", "band", "--band W"});
   Refuses({"--resolution", "9", "--set", "solid", "--band", "2v"}, {"--band", "--set band", "solid"});
   Refuses({"--resolution", "9", "--band", "2v", "--npy", "dense", "-o", "a.npy", "--fields", "distance,part"},
-          {"--npy", "dense", "one field"});
+          {"--fields", "a.npy", "cannot hold distance,part", "--array selects"});
   Refuses({"--resolution", "9", "--fields", "part,shape"}, {"--fields", "shape", "part", "normal"});
   Refuses({"--resolution", "9", "--fields", "part,part"}, {"--fields", "part", "twice"});
   Refuses({"--resolution", "9", "--fields", "triangle", "--upload", "draco"}, {"--fields", "triangle", "--upload raw"});

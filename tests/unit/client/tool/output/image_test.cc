@@ -160,6 +160,22 @@ TEST_F(Image, FieldsOfOneTypeAreComponentsOfEachElement) {
   EXPECT_THAT(Read("o.nrrd"), HasSubstr("\ncontent: triangle,part\n"));
 }
 
+TEST_F(Image, AnArrayHasTheFieldsThatTheOptionsSelect) {
+  VoxelizeRequest request;
+  request.fields = {Field::kDistance, Field::kPart};
+  const std::vector<FieldValues> fields = {ValuesOf<float>(Field::kDistance, {1, 2, 3}),
+                                           ValuesOf<uint32_t>(Field::kPart, {0, 1, 2})};
+  ASSERT_EQ(Fill("o.nii", request, fields, MakeAccepted(), {.array = std::vector{Field::kPart}}), absl::OkStatus());
+  EXPECT_EQ(At<int32_t>(Read("o.nii"), 352 + 10 * sizeof(int32_t)), 2);  // (-1, 2, 8), the second voxel
+  ASSERT_EQ(Fill("o.npy", request, fields, MakeAccepted(), {.dense_npy = true, .array = std::vector{Field::kDistance}}),
+            absl::OkStatus());
+  EXPECT_THAT(Read("o.npy"), HasSubstr("'descr': '<f4'"));
+  ASSERT_EQ(Fill("p.nii", request, fields, MakeAccepted(), {.array = std::vector<Field>()}), absl::OkStatus());
+  EXPECT_EQ(Read("p.nii").substr(352), kMask);
+  ASSERT_EQ(Fill("o.csv", request, fields, MakeAccepted(), {.array = std::vector<Field>()}), absl::OkStatus());
+  EXPECT_THAT(Read("o.csv"), HasSubstr("i,j,k,x,y,z,distance,part\n"));
+}
+
 TEST_F(Image, FieldsOfTwoTypesAndTooManyBytesAreRefused) {
   VoxelizeRequest request;
   request.fields = {Field::kPart, Field::kDistance};

@@ -141,7 +141,7 @@ TEST_F(OutputFile, TablesOfABandHoldDistances) {
     EXPECT_EQ(in_ply, values[n]);
   }
   EXPECT_THAT(std::string(OpenOutput(Path("o.glb"), request).status().message()),
-              HasSubstr("\".glb\" is not one of .vdb .nvdb .csv .npy .npz .ply .png .html"));
+              HasSubstr("o.glb: cannot hold distance; .vdb .nvdb .csv .npy .npz .ply .png .html"));
 }
 
 TEST_F(OutputFile, PngIsAPicture) {
