@@ -14,7 +14,8 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 CONTENTS = [
     ("Start", [("Overview", "index.html"), "client/docs/tutorial.md", "client/docs/choosing.md", "client/docs/exact.md"]),
     ("Tasks", [
-        "client/docs/inputs-and-outputs.md", "client/docs/drawings.md", "client/docs/sets.md", "client/docs/fields.md",
+        "client/docs/inputs.md", "client/docs/voxel-files.md", "client/docs/sets.md", "client/docs/fields.md",
+        "client/docs/drawings.md",
         "client/docs/batch.md", "client/docs/sdk.md", "client/docs/python.md", "client/docs/languages.md",
         "server/docs/protocol.md", "client/docs/life-of-a-call.md", "client/docs/*.md",
     ]),

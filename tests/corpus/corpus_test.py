@@ -81,7 +81,7 @@ class InstalledPackages(unittest.TestCase):
         self.assertRegex(printed.getvalue(), r"\| \.gltf \| \d\d")
 
     def test_have_references_for_every_format_that_latvox_reads(self):
-        page = (pathlib.Path(__file__).parents[2] / "client/docs/inputs-and-outputs.md").read_text()
+        page = (pathlib.Path(__file__).parents[2] / "client/docs/inputs.md").read_text()
         table = page.split("## Mesh files")[1].split("\n\n- ")[0]
         formats = {word.strip(",`") for line in table.splitlines() if line.startswith("| `.") for word in line.split("|")[1].split()}
         self.assertEqual(formats, set(readers.READERS))

@@ -12,7 +12,7 @@ import pyopenvdb
 from bodies import BODIES, write_bodies
 from harness import BUNNY, PATIENCE, Case, box, latvox
 
-DOCS = pathlib.Path(__file__).resolve().parents[2] / "client/docs/inputs-and-outputs.md"
+DOCS = pathlib.Path(__file__).resolve().parents[2] / "client/docs/voxel-files.md"
 SPIDER = "/usr/share/assimp/models/OBJ/spider.obj"  # of assimp-testmodels
 FIELDS = "part,material,color,distance,triangle,point,normal"
 JOBS = {
@@ -164,6 +164,26 @@ class Convert(Case):
                                  {key: facts[0][key] for key in facts[0] if key != "metadata"})  # fmt: skip
         values = {v.min: v.value for v in sphere.citerOnValues()}
         self.assertEqual({v.min: v.value for v in again.citerOnValues()}, values)
+
+    def test_rows_are_the_same_in_two_orders(self):
+        self.write([BUNNY, "--resolution", "150"], "a.vdb", "a.csv")
+        self.convert("a.vdb", "b.csv")
+        streamed, sorted_by_brick = ((self.dir / name).read_text().splitlines()[1:] for name in ("a.csv", "b.csv"))
+        self.assertEqual(sorted(streamed), sorted(sorted_by_brick))
+        self.assertNotEqual(streamed, sorted_by_brick)
+
+        def place(row, bits):
+            return [int(n) >> bits for n in row.split(",")[:3]]
+
+        by_brick = sorted(sorted_by_brick, key=lambda row: (place(row, 3), place(row, 0)))
+        self.assertEqual(sorted_by_brick, by_brick)
+        tiles = [place(row, 6) for row in streamed]
+        starts = [n for n, tile in enumerate(tiles) if n == 0 or tile != tiles[n - 1]]
+        self.assertGreater(len(starts), 8)
+        self.assertEqual(len(starts), len({tuple(tile) for tile in tiles}), "the rows of a cube of bricks are together")
+        for start, end in zip(starts, [*starts[1:], len(tiles)]):
+            rows = streamed[start:end]
+            self.assertEqual(rows, sorted(rows, key=lambda row: (place(row, 3), place(row, 0))))
 
     def test_the_table_of_the_documentation_is_what_commands_read(self):
         lines = DOCS.read_text().partition("| command | `.vdb` |")[2].splitlines()[2:]

@@ -1,4 +1,4 @@
-"""The table of formats in client/docs/inputs-and-outputs.md is what `latvox` writes and refuses.
+"""The table of formats in client/docs/voxel-files.md is what `latvox` writes and refuses.
 
 `format_table_test.py --write` writes the table into the page, with LATVOX_BIN set as for the tests.
 """
@@ -19,7 +19,7 @@ from vtkmodules.vtkIOXML import vtkXMLImageDataReader, vtkXMLUnstructuredGridRea
 from harness import Case, latvox
 from inputs import write_named_obj
 
-PAGE = pathlib.Path(__file__).resolve().parents[2] / "client/docs/inputs-and-outputs.md"
+PAGE = pathlib.Path(__file__).resolve().parents[2] / "client/docs/voxel-files.md"
 HEAD = "| format | sets | fields | several fields | lattices | `--dims`, `--pad` |\n|---|---|---|---|---|---|\n"
 DENSE = "`.npy`, `--npy dense`"
 WRITTEN, USAGE, NO_MESH = 0, 2, 3
