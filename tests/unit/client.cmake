@@ -43,7 +43,7 @@ foreach(name content_join_test link_grids_test merge_test merge_errors_test)
   latvox_add_test(client_${name} SOURCES unit/client/grid/${name}.cc
                   LIBRARIES latvox::grid latvox::openvdb_trees GTest::gmock)
 endforeach()
-foreach(name call_test call_end_test dense_test error_test fields_call_test)
+foreach(name call_test call_end_test dense_test error_test fields_call_test walk_call_test)
   latvox_add_test(client_${name} THREADED SOURCES unit/client/internal/${name}.cc
                   LIBRARIES latvox::client latvox::proto GTest::gmock)
 endforeach()

@@ -146,6 +146,23 @@ TEST(Options, LabelsAreAFieldAndPrioritiesNumbersOrNames) {
   EXPECT_EQ(names.output_options.note.priority, names.priority);
 }
 
+TEST(Options, EnclosedSetsHaveLabelsAndPriorities) {
+  const std::vector<std::string> set = {"--resolution", "9", "--set", "enclosed"};
+  const auto with = [&set](std::vector<std::string> words) {
+    words.insert(words.end(), set.begin(), set.end());
+    return words;
+  };
+  const VoxelizeOptions numbers = Parse(with({"--labels", "material", "--priority", "2,0"}));
+  EXPECT_EQ(numbers.request.set, VoxelSet(Enclosed{.labels = Field::kMaterial, .priority = {2, 0}}));
+  EXPECT_THAT(numbers.request.fields, ElementsAre(Field::kMaterial));
+  const VoxelizeOptions names = Parse(with({"--fields", "part", "--priority", "lid,0", "--close", "2"}));
+  EXPECT_EQ(names.request.set, VoxelSet(Enclosed{.close = 2, .labels = Field::kPart}));
+  EXPECT_THAT(names.priority, ElementsAre("lid", "0"));
+  Refuses(with({"--priority", "2"}), {"--priority", "needs --labels part or material"});
+  Refuses({"--resolution", "9", "--set", "region", "--seed", "1,1,1", "--labels", "part", "--priority", "2"},
+          {"--labels: needs --set solid", "enclosed-interior", "not region"});
+}
+
 TEST(Options, ThreeMfAsksForThePositiveRule) {
   const auto rule = [](const std::vector<std::string>& words) {
     VoxelizeWords given;
