@@ -9,6 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "client/grid/part_metadata.h"
+#include "client/grid/steps_text.h"
 #include "latvox/for_each_voxel.h"
 
 namespace latvox::client {
@@ -32,11 +33,10 @@ uint64_t CountBefore(const Brick& brick, size_t bit) {
 bool HasVoxel(const Brick& brick, size_t bit) { return (brick.mask[bit / 64] >> bit % 64 & 1) != 0; }
 
 std::string NamesOf(const GridContent& content) {
-  const auto step = [](std::string* out, const Vec3i& q) { absl::StrAppend(out, absl::StrJoin(q, ",")); };
   const auto name = [&](std::string* out, const FieldValues& values) {
     *out += NameOf(values.field);
     if (!values.labels.empty()) absl::StrAppend(out, " of ", absl::StrJoin(values.labels, " "));
-    if (values.neighbors > 0) absl::StrAppend(out, " to ", absl::StrJoin(content.neighbors, " ", step));
+    if (values.neighbors > 0) absl::StrAppend(out, " to ", StepsText(content.neighbors));
   };
   return content.fields.empty() ? "absent" : absl::StrJoin(content.fields, ",", name);
 }

@@ -1,14 +1,12 @@
 #include "client/grid/request_metadata.h"
 
-#include <nlohmann/json.hpp>
 #include <variant>
 
 #include "absl/strings/str_cat.h"
+#include "client/json/labels_json.h"
 
 namespace latvox::client {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr const char* kAlgorithms[] = {"exact", "brute-force", "incremental", "optimized-incremental"};
 
@@ -18,12 +16,6 @@ std::string Corners(const Box& box) {
   for (const auto number : box.max) numbers.push_back(number);
   const std::string text = numbers.dump();
   return text.substr(1, text.size() - 2);
-}
-
-template <class Set>
-void AddLabels(const Set& set, Json& json) {
-  if (set.labels) json["labels"] = NameOf(*set.labels);
-  if (!set.priority.empty()) json["priority"] = set.priority;
 }
 
 void AddSolid(const Solid& solid, Json& json) {

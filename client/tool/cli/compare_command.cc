@@ -6,6 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
+#include "client/grid/steps_text.h"
 #include "client/json/json.h"
 #include "client/tool/cli/common_options.h"
 #include "client/tool/cli/difference_output.h"
@@ -36,17 +37,13 @@ std::string NamesOf(const std::vector<FieldValues>& fields) {
   return absl::StrJoin(fields, ",", [](std::string* out, const FieldValues& field) { *out += NameOf(field.field); });
 }
 
-std::string StepsOf(const std::vector<Vec3i>& neighbors) {
-  return absl::StrJoin(neighbors, " ", [](std::string* out, const Vec3i& q) { *out += absl::StrJoin(q, ","); });
-}
-
 // Compares the metadata, and which fields the voxels carry, whatever the metadata say about that.
 std::vector<FieldDifference> FieldsOf(const GridContent& a, const GridContent& b) {
   std::vector<FieldDifference> fields = CompareFields(a.file.info, b.file.info);
   const std::string of_a = NamesOf(a.fields), of_b = NamesOf(b.fields);
   if (of_a != of_b) fields.push_back({"grids", of_a, of_b});
   if (!a.neighbors.empty() && !b.neighbors.empty() && a.neighbors != b.neighbors) {
-    fields.push_back({"neighbors", StepsOf(a.neighbors), StepsOf(b.neighbors)});
+    fields.push_back({"neighbors", StepsText(a.neighbors), StepsText(b.neighbors)});
   }
   return fields;
 }

@@ -4,7 +4,7 @@
 #include <variant>
 
 #include "absl/strings/escaping.h"
-#include "client/json/json.h"
+#include "client/json/labels_json.h"
 #include "client/mesh/mesh_attributes.h"
 #include "client/mesh_files/input.h"
 #include "latvox/mesh_id.h"
@@ -87,12 +87,6 @@ absl::StatusOr<std::string> MeshDigest(const MeshSource& input) {
 Json LatticeJson(const std::variant<NamedLattice, Basis>& lattice) {
   if (const auto* basis = std::get_if<Basis>(&lattice)) return {basis->a, basis->b, basis->c};
   return static_cast<int>(std::get<NamedLattice>(lattice));
-}
-
-template <class Set>
-void AddLabels(const Set& set, Json& json) {
-  if (set.labels) json["labels"] = NameOf(*set.labels);
-  if (!set.priority.empty()) json["priority"] = set.priority;
 }
 
 Json RequestJson(const VoxelizeRequest& request) {
