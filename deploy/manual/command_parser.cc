@@ -2,7 +2,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <iterator>
 #include <map>
 #include <set>
 #include <sstream>
@@ -11,9 +10,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
-#include "absl/strings/string_view.h"
 #include "deploy/manual/help.h"
 #include "deploy/manual/option_values.h"
 #include "deploy/manual/toml_file.h"
@@ -77,15 +74,8 @@ CLI::Validator Checked(const OptionCheck& check) {
   return CLI::Validator([wrong = check.wrong](const std::string& word) { return wrong(word).text; }, "");
 }
 
-// Replaces a word in upper case, such as BCC, with the one of the list.
 CLI::Validator OneOf(const Words& words) {
-  const auto choose = [words](std::string& word) -> std::string {
-    for (const std::string& known : words) {
-      if (absl::EqualsIgnoreCase(word, known)) return word = known, "";
-    }
-    return absl::StrCat("\"", word, "\" is not one of ", absl::StrJoin(words, ", "));
-  };
-  return CLI::Validator(choose, "");
+  return CLI::Validator([words](std::string& word) { return ToListed(words, word); }, "");
 }
 
 // Replaces "1GiB" with its number of bytes.
@@ -96,8 +86,7 @@ CLI::Validator Size(uint64_t most) {
     try {
       if (!in_bytes(word).empty() || !absl::SimpleAtoi(word, &number)) number = UINT64_MAX;
     } catch (const CLI::ValidationError& error) {
-      constexpr absl::string_view kOverflow = "overflow";
-      if (!absl::StrContains(error.what(), kOverflow)) {
+      if (!absl::StrContains(error.what(), "overflow")) {
         return absl::StrCat("\"", given, "\" is not a number of bytes, such as 1073741824 or 1GiB");
       }
       number = UINT64_MAX;
@@ -105,23 +94,6 @@ CLI::Validator Size(uint64_t most) {
     return number <= most ? "" : absl::StrCat(given, " exceeds ", SizeText(absl::StrCat(most)));
   };
   return CLI::Validator(convert, "");
-}
-
-// Returns the first error of a word, with its value and its limit.
-WrongWord FindWrong(const OptionRow& row, const std::string& word) {
-  const auto is_it = [&word](const std::string& known) { return absl::EqualsIgnoreCase(word, known); };
-  if (!row.words.empty() && std::none_of(row.words.begin(), row.words.end(), is_it)) {
-    return {"is not one of the words", word, absl::StrJoin(row.words, ", ")};
-  }
-  for (const OptionCheck& check : row.checks) {
-    WrongWord wrong = check.wrong(word);
-    if (wrong.text.empty()) continue;
-    if (wrong.value.empty()) wrong.value = word;
-    if (wrong.limit.empty()) wrong.limit = check.range;
-    return wrong;
-  }
-  const uint64_t most = MostOf(row);
-  return {most == 0 ? "" : AboveMost(word, most), word, absl::StrCat(most)};
 }
 
 CLI::Option* AddRow(CLI::App& app, const OptionRow& row) {

@@ -124,6 +124,29 @@ std::string ToTruth(std::string& word) {
   return absl::StrCat("\"", word, "\" is not true or false");
 }
 
+std::string ToListed(const std::vector<std::string>& words, std::string& word) {
+  for (const std::string& known : words) {
+    if (absl::EqualsIgnoreCase(word, known)) return word = known, "";
+  }
+  return absl::StrCat("\"", word, "\" is not one of ", absl::StrJoin(words, ", "));
+}
+
+WrongWord FindWrong(const OptionRow& row, const std::string& word) {
+  const auto is_it = [&word](const std::string& known) { return absl::EqualsIgnoreCase(word, known); };
+  if (!row.words.empty() && std::none_of(row.words.begin(), row.words.end(), is_it)) {
+    return {"is not one of the words", word, absl::StrJoin(row.words, ", ")};
+  }
+  for (const OptionCheck& check : row.checks) {
+    WrongWord wrong = check.wrong(word);
+    if (wrong.text.empty()) continue;
+    if (wrong.value.empty()) wrong.value = word;
+    if (wrong.limit.empty()) wrong.limit = check.range;
+    return wrong;
+  }
+  const uint64_t most = MostOf(row);
+  return {most == 0 ? "" : AboveMost(word, most), word, absl::StrCat(most)};
+}
+
 std::string SizeText(const std::string& bytes) {
   uint64_t number = 0;
   if (!absl::SimpleAtoi(bytes, &number) || number == 0) return bytes;

@@ -22,6 +22,12 @@ std::string AboveMost(const std::string& word, uint64_t most);
 // Replaces the word of a switch with "true" or "false". Returns the error, or "".
 std::string ToTruth(std::string& word);
 
+// Replaces a word in upper case, such as BCC, with the one of the list. Returns the error, or "".
+std::string ToListed(const std::vector<std::string>& words, std::string& word);
+
+// Returns the first error of a word, with its value and its limit.
+WrongWord FindWrong(const OptionRow& row, const std::string& word);
+
 // "268435456" as "256MiB", in the largest unit that divides it.
 std::string SizeText(const std::string& bytes);
 

@@ -43,19 +43,6 @@ absl::Status UnknownMesh() {
 // in place.
 uint64_t AsFloats(uint64_t doubles) { return 3 * doubles; }
 
-// Adds the time of a scope to `sum`.
-class Stopwatch {
- public:
-  explicit Stopwatch(double& sum) : sum_(sum), start_(std::chrono::steady_clock::now()) {}
-  ~Stopwatch() { sum_ += MillisecondsSince(start_); }
-  Stopwatch(const Stopwatch&) = delete;
-  Stopwatch& operator=(const Stopwatch&) = delete;
-
- private:
-  double& sum_;
-  const std::chrono::steady_clock::time_point start_;
-};
-
 }  // namespace
 
 Computation::Computation(JobSpec spec, std::string request_id, const CallEnvironment& environment)
