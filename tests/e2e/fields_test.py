@@ -302,7 +302,8 @@ class Fields(Case):
             (2, '"hue" is not one of part, material, color, distance, triangle, point, normal', [plain, "--fields", "part,hue"]),
             (2, "twice", [plain, "--fields", "part,part"]),
             (2, "o.glb cannot hold part", [plain, "--fields", "part", "-o", self.dir / "o.glb"]),
-            (2, "--npy: dense", [plain, "--fields", "part,distance", "--npy", "dense", "-o", self.dir / "o.npy"]),
+            (2, "o.npy cannot hold part,distance; .vdb .nvdb .csv .npz",
+             [plain, "--fields", "part,distance", "--npy", "dense", "-o", self.dir / "o.npy"]),
             (3, "sent as it is", [self.dir / "plain.drc", plain, "--fields", "color"]),
             (2, "o.binvox cannot hold color", [plain, "--fields", "color", "-o", self.dir / "o.binvox"]),
         ):

@@ -175,7 +175,7 @@ class LabelFractions(Case):
              "--fraction-labels: 33 labels exceed 32"),
             (["--fields", "label_fractions:2", "--force-open"], 2, "not together with --force-open"),
             (["--fields", "label_fractions:2", "-o", "a.nrrd"], 2, f"a.nrrd cannot hold label_fractions,part; {holds}"),
-            (["--fields", "label_fractions:2", "-o", "a.npy", "--npy", "dense"], 2, "none of links or labels; .npz holds all"),
+            (["--fields", "label_fractions:2", "-o", "a.npy", "--npy", "dense"], 2, "a.npy cannot hold label_fractions,part; .vdb .nvdb .csv .npz"),
         ):  # fmt: skip
             with self.subTest(more=more):
                 done = latvox("voxelize", self.mesh, *GRID, "--json", "-o", "a.csv", *more, cwd=self.dir)
