@@ -8,6 +8,7 @@
 
 #include <hwy/highway.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
 
@@ -21,6 +22,7 @@ template <size_t kStep = sizeof(uint32_t)>
 HWY_INLINE hwy::HWY_NAMESPACE::Vec<hwy::HWY_NAMESPACE::ScalableTag<uint32_t>> WordsAt(
     const void* from, hwy::HWY_NAMESPACE::Vec<hwy::HWY_NAMESPACE::ScalableTag<uint32_t>> index) {
   namespace hn = hwy::HWY_NAMESPACE;
+  static_assert(kStep == 1 || kStep == sizeof(uint32_t));
   using Numbers = hn::ScalableTag<uint32_t>;
   const Numbers d;
 #if HWY_TARGET == HWY_AVX2
@@ -29,9 +31,9 @@ HWY_INLINE hwy::HWY_NAMESPACE::Vec<hwy::HWY_NAMESPACE::ScalableTag<uint32_t>> Wo
     const auto low = static_cast<uint64_t>(_mm_cvtsi128_si64(at)),
                high = static_cast<uint64_t>(_mm_extract_epi64(at, 1));
     const auto word = [from](uint64_t n) {
-      int32_t of;
-      std::memcpy(&of, static_cast<const char*>(from) + kStep * n, sizeof(of));
-      return of;
+      int32_t bits;
+      std::memcpy(&bits, static_cast<const char*>(from) + kStep * n, sizeof(bits));
+      return bits;
     };
     __m128i found = _mm_cvtsi32_si128(word(low & UINT32_MAX));
     found = _mm_insert_epi32(found, word(low >> 32), 1);
@@ -41,7 +43,6 @@ HWY_INLINE hwy::HWY_NAMESPACE::Vec<hwy::HWY_NAMESPACE::ScalableTag<uint32_t>> Wo
   const hn::Half<Numbers> half;
   return hn::Combine(d, four(hn::UpperHalf(half, index).raw), four(hn::LowerHalf(half, index).raw));
 #else
-  static_assert(kStep == 1 || kStep == sizeof(uint32_t));
   const auto* const words = static_cast<const uint32_t*>(from);
   const auto places = hn::BitCast(hn::RebindToSigned<Numbers>(), index);
   if constexpr (kStep == 1) {

@@ -2,10 +2,10 @@
 // lies on the plane or below, else to neighbors below it (core/digitize/star.h). So a star has nothing to add to a set
 // that has z and all neighbors on that side. The links themselves need not be found.
 //
-// On a plane, this leaves out every star. Let C be the principal direction, the q with the largest |n . q|. Say z lies
-// below: -|n . C| / 2 < d(z) <= 0. Then a neighbor above it has -|n . C| / 2 < d(z + q) <= |n . C|. So it is an end of
-// the link that the plane crosses on its line along C. Where that line meets the triangle, it comes with the candidates
-// that are crossed. On a smooth surface, the line meets a neighboring triangle.
+// On a plane, this leaves out nearly every star. Let C be the principal direction, the q with the largest |n . q|. Say
+// z lies below: -|n . C| / 2 < d(z) <= 0. Then a neighbor above it has -|n . C| / 2 < d(z + q) <= |n . C|. So it is an
+// end of the link that the plane crosses on its line along C. Where that line meets the triangle, it comes with the
+// candidates that are crossed. On a smooth surface, the line meets a neighboring triangle.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/scan/open_stars.cc"
 #include "core/scan/open_stars.h"
@@ -133,8 +133,8 @@ struct RunPlanes {
       add(below, rows.forward[n], down);
       add(below, rows.backward[n], up);
       const Ints by = Fill(layout.StepOf(frames[n].frame.q));
-      const auto more = hn::RebindMask(ints, hn::Gt(size, most)),
-                 points_up = hn::RebindMask(ints, hn::Gt(along, hn::Zero(d)));
+      const auto more = hn::RebindMask(ints, hn::Gt(size, hn::Add(most, error))),  // of equal ones the first
+          points_up = hn::RebindMask(ints, hn::Gt(along, hn::Zero(d)));
       step = hn::IfThenElse(more, hn::IfThenElse(points_up, by, hn::Neg(by)), step);
       most = hn::Max(most, size);
     }
@@ -212,13 +212,14 @@ class OpenStars {
     const hn::RebindToUnsigned<Lanes> du;
     const auto place = PlacesOf(candidate);
     const auto first = hn::Sub(hn::BitCast(du, hn::And(candidate, Fill(kNumberMask))),
-                               hn::Set(du, static_cast<uint32_t>(rows_.reach)));
+                               hn::Set(du, static_cast<uint32_t>(rows_.reach_in_row)));
     const auto byte = hn::ShiftRight<3>(first), bit = hn::And(first, hn::Set(du, 7));
     auto missing = hn::Zero(du);
     for (size_t row = 0; row < rows_.count; ++row) {
       const Ints wanted = hn::IfThenElse(sides.is_below, hn::TableLookupLanes(planes_.above[row], place),
                                          hn::TableLookupLanes(planes_.below[row], place));
-      const auto found = hn::Shr(WordsAt<1>(bytes_ + rows_.steps[row], byte), bit);
+      const auto at = hn::Add(byte, hn::BitCast(du, Fill(rows_.byte_steps[row])));
+      const auto found = hn::Shr(WordsAt<1>(bytes_, at), bit);
       missing = hn::Or(missing, hn::AndNot(found, hn::BitCast(du, wanted)));
     }
     const auto complete = hn::And(hn::Or(sides.is_below, sides.is_above), hn::Eq(hn::BitCast(d, missing), hn::Zero(d)));
@@ -268,6 +269,7 @@ HWY_EXPORT(AppendInLanes);
 NeighborRows::NeighborRows(const std::vector<ScanFrame>& frames, const BitsLayout& layout) {
   for (const ScanFrame& scan : frames) {
     for (const int32_t q : scan.frame.q) reach = std::max(reach, std::abs(q));
+    reach_in_row = std::max(reach_in_row, std::abs(scan.frame.q[2]));
   }
   itself = Add(layout, {});
   for (size_t n = 0; n < frames.size(); ++n) {
@@ -279,10 +281,11 @@ NeighborRows::NeighborRows(const std::vector<ScanFrame>& frames, const BitsLayou
 // Rows begin at whole bytes.
 NeighborRows::Place NeighborRows::Add(const BitsLayout& layout, const Vec3i& step) {
   const int32_t bytes = layout.StepOf({step[0], step[1], 0}) / 8;
-  const auto row = static_cast<size_t>(std::find(steps.begin(), steps.begin() + count, bytes) - steps.begin());
-  steps[row] = bytes;
+  const auto row =
+      static_cast<size_t>(std::find(byte_steps.begin(), byte_steps.begin() + count, bytes) - byte_steps.begin());
+  byte_steps[row] = bytes;
   count = std::max(count, row + 1);
-  return {row, static_cast<uint32_t>(step[2] + reach)};
+  return {row, static_cast<uint32_t>(step[2] + reach_in_row)};
 }
 
 void AppendOpenStars(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames, const BitsLayout& layout,

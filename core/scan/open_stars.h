@@ -27,8 +27,9 @@ struct NeighborRows {
   NeighborRows(const std::vector<ScanFrame>& frames, const BitsLayout& layout);
 
   size_t count = 0;
-  int32_t reach = 0;                   // the largest |entry| of q; bit n of a row is the voxel at n - reach
-  std::array<int32_t, kMost> steps{};  // from the voxel's own row, in bytes
+  int32_t reach = 0;                        // the largest |entry| of q
+  int32_t reach_in_row = 0;                 // the largest |q[2]|; bit n of a row is the voxel at n - reach_in_row
+  std::array<int32_t, kMost> byte_steps{};  // from the voxel's own row
   Place itself{};
   std::array<Place, kMaxDirections> forward{}, backward{};  // the neighbors along +q and -q, for each frame
 

@@ -51,7 +51,7 @@ struct WalkFacts {
   std::vector<LabelWalkFacts> labels;  // of a labeled set, ascending; then the members above are sums over these
 };
 inline constexpr size_t kMostCavities = 16;
-// The most labels whose leaks are searched, in order of priority. Those that enclose the point do not count.
+// Labels are looked at in order of priority. After so many that do not enclose the point, no further one has a leak.
 inline constexpr size_t kMostLeaks = 8;
 
 }  // namespace latvox

@@ -93,8 +93,8 @@ TEST(NumbersAlone, AreThoseOfTheNearestTriangle) {
       mesh.attributes = numbering.numbers;
       size_t n = 0;
       for (VoxelizeOptions options : Sets()) {
-        if (job++ % Dose(1, 3) != 0) continue;
         SCOPED_TRACE(testing::Message() << lattice.name() << ", " << numbering.name << ", set " << n++);
+        if (job++ % Dose(1, 3) != 0) continue;
         options.fields = numbering.fields == 1 ? FieldList{Field::kPart} : FieldList{Field::kPart, Field::kMaterial};
         const Carried alone = FieldsByVoxel(Voxelize(mesh, grid, options).tiles, options.fields);
         EXPECT_GT(alone.size(), 10U);

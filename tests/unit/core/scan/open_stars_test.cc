@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 #include <set>
 #include <string>
@@ -123,6 +124,8 @@ TEST(OpenStars, AreFewOnceTheLinksAlongPrincipalDirectionsHaveBeenAddedOnEachKer
       {{{{300, 900, 400}, {15800, 2100, 5100}, {2500, 15300, 9700}}}},
       {{{{0, 0, 5120}, {15000, 0, 5120}, {0, 15000, 5120}}}},
       {{{{5120, 0, 0}, {5120, 15000, 0}, {5120, 0, 15000}}}},
+      {{{{5000, 5120, 0}, {5120, 5000, 15000}, {-4880, 15000, 0}}}},  // several directions have the largest |n . q|
+      {{{{15000, 100, 0}, {100, 15000, 0}, {0, 100, 15000}}}},
   };
   for (const ExactLattice& l : ExactLattices()) {
     const auto frames = MakeScanFrames(l.lattice.frames(0));
@@ -135,10 +138,32 @@ TEST(OpenStars, AreFewOnceTheLinksAlongPrincipalDirectionsHaveBeenAddedOnEachKer
         set.SetAll(tile.candidates.nearer.view());
         set.SetAll(tile.candidates.farther.view());
         const size_t pairs = tile.AllPairs().size();
-        EXPECT_GT(pairs, 1000U);
+        EXPECT_GT(pairs, 900U);
         EXPECT_LT(tile.OpenPairs(set).size(), pairs / 3) << l.name << " " << SimdInUse();
       }
     }
+  }
+}
+
+// Its directions reach farther across rows than along them: (5, 1, 2) and others with entries of at most 4 along rows.
+TEST(OpenStars, OfDirectionsAcrossRowsReadNothingOutsideOfTheSetOnEachKernel) {
+  const Lattice lattice = Lattice::FromBasis({{{6, -7, -10}, {-41, 79, 70}, {9, -17, -10}}}).value();
+  const auto frames = MakeScanFrames(lattice.frames(0));
+  const Vec3i reach = ReachOf(frames);
+  ASSERT_GT(std::max(reach[0], reach[1]), reach[2]);
+  const Vec3i tile_min{0, 0, 0}, lowest = (tile_min - reach) * kLatticeUnit;
+  std::vector<Triangle> triangles;
+  for (int32_t n = 0; n < 40; ++n) {
+    triangles.push_back({lowest + Vec3i{-900, -900, 90 - 7 * n}, lowest + Vec3i{900, -900, 8 * n - 80},
+                         lowest + Vec3i{-30 * n, 900, 50 - n}});
+  }
+  for (const Simd simd : SimdHere()) {
+    const ForcedSimd forced(simd);
+    const OneTile tile(frames, tile_min, triangles);
+    const std::set<Pair> pairs = tile.AllPairs();
+    const uint32_t corner = tile.layout.NumberOf(tile.box.min);
+    EXPECT_TRUE(std::ranges::any_of(pairs, [corner](const Pair& pair) { return pair.first == corner; }));
+    EXPECT_EQ(tile.OpenPairs(TileBits(tile.layout.Words())), pairs) << SimdInUse();  // nothing is in the set
   }
 }
 
