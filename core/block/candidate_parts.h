@@ -34,12 +34,12 @@ class CandidateParts {
   void ForEach(const TileContext& context, const BlockBox& where, F&& f) {
     constexpr size_t kEnough = size_t{1} << 21;
     if (kept_) return f(candidates_);
+    const SearchLimits limits{where.box, where.layout, context.stop, kEnough};
     size_t end = 0;
     do {
       const size_t begin = end;
       candidates_.Clear();
-      end += FindCandidates(context.mesh, triangles_.subspan(begin), *frames_, where.box, where.layout, context.stop,
-                            kEnough, candidates_);
+      end += FindCandidates(context.mesh, triangles_.subspan(begin), *frames_, limits, candidates_);
       kept_ = begin == 0 && end >= triangles_.size();
       f(candidates_);
     } while (end < triangles_.size() && !context.stop.Stopped());

@@ -112,6 +112,7 @@ void CoverScan::AddNearCells(const TileContext& context, std::span<const uint32_
                              BlockVoxels& voxels) {
   constexpr size_t kEnough = size_t{1} << 18;
   const NearCells& cells = *context.supercover->near_cells();
+  const CoverShape shape{cells.frames(), cells.segments(), cells.most_extent()};
   const BlockBox& where = voxels.where();
   const auto keep = [&](std::vector<VoxelTriangle>& pairs) { cells.KeepMeeting(context.mesh, where.layout, pairs); };
   const auto add = [&](const NumberList& list, uint32_t Candidates::Run::*end) {
@@ -119,11 +120,11 @@ void CoverScan::AddNearCells(const TileContext& context, std::span<const uint32_
     FindPairs(lines_, list, memory.positions, end, memory.pairs);
     AddMeeting(context, memory.pairs, keep, voxels);
   };
+  const SearchLimits limits{where.box, where.layout, context.stop, kEnough};
   left_.clear();
   for (size_t done = 0; done < triangles.size() && !context.stop.Stopped();) {
     lines_.Clear();
-    done += FindCoverCandidates(context.mesh, triangles.subspan(done), cells.frames(), cells.segments(),
-                                cells.most_extent(), where.box, where.layout, context.stop, kEnough, lines_, left_);
+    done += FindCoverCandidates(context.mesh, triangles.subspan(done), shape, limits, lines_, left_);
     voxels.Add(lines_.nearer.view());
     add(lines_.rim, &Candidates::Run::rim_end);
     add(lines_.farther, &Candidates::Run::crossed_end);

@@ -25,7 +25,8 @@ namespace {
 
 // One triangle and line at a time: the reference for the lanes below.
 size_t FindScalar(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const std::vector<ScanFrame>& frames,
-                  const IndexBox& box, const BitsLayout& layout, StopSignal stop, size_t enough, Candidates& out) {
+                  const SearchLimits& limits, Candidates& out) {
+  const auto& [box, layout, stop, enough] = limits;
   size_t n = 0;
   for (; n < triangles.size() && out.size() < enough && !stop.Stopped(); ++n) {
     const uint32_t t = triangles[n];
@@ -63,12 +64,11 @@ namespace {
 
 #if HWY_TARGET == HWY_SCALAR
 size_t FindInLanes(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const std::vector<ScanFrame>& frames,
-                   const IndexBox& box, const BitsLayout& layout, StopSignal stop, size_t enough, Candidates& out) {
-  return FindScalar(mesh, triangles, frames, box, layout, stop, enough, out);
+                   const SearchLimits& limits, Candidates& out) {
+  return FindScalar(mesh, triangles, frames, limits, out);
 }
 
-size_t FindCoverInLanes(const SnappedMesh&, std::span<const uint32_t> triangles, const std::vector<ScanFrame>&,
-                        const CellSegments&, int32_t, const IndexBox&, const BitsLayout&, StopSignal, size_t,
+size_t FindCoverInLanes(const SnappedMesh&, std::span<const uint32_t> triangles, const CoverShape&, const SearchLimits&,
                         Candidates&, std::vector<uint32_t>& left) {
   return LeaveAll(triangles, left);
 }
@@ -281,48 +281,16 @@ void ScanCover(const Scan& scan, std::span<const uint32_t> triangles, Candidates
   }
 }
 
-size_t FindCoverInLanes(const SnappedMesh& mesh, std::span<const uint32_t> triangles,
-                        const std::vector<ScanFrame>& frames, const CellSegments& cell, int32_t most,
-                        const IndexBox& box, const BitsLayout& layout, StopSignal stop, size_t enough, Candidates& out,
-                        std::vector<uint32_t>& left) {
-  const Target target{box.max - box.min, layout, static_cast<int32_t>(layout.NumberOf(box.min))};
-  const Scan scan{mesh,
-                  PaddedVertices(mesh),
-                  frames,
-                  FrameTable(frames, {{}, target.size}, cell),
-                  std::min(NarrowExtent(frames), most),
-                  box.min * kLatticeUnit,
-                  target};
+// Calls scan_lanes(triangles) for up to kTriangleLanes triangles at a time, and begin_window() before those of a
+// window.
+template <class BeginWindow, class ScanLanes>
+HWY_INLINE size_t ScanWindows(const Scan& scan, std::span<const uint32_t> triangles, const SearchLimits& limits,
+                              Candidates& out, const BeginWindow& begin_window, const ScanLanes& scan_lanes) {
+  const StopSignal stop = limits.stop;
   LinesOrder order;
   size_t done = 0;
-  for (size_t window = 0; done < triangles.size() && out.size() < enough && !stop.Stopped(); ++window) {
-    const auto left_over = triangles.subspan(done);
-    const size_t count = std::min(LinesOrder::kMost, left_over.size());
-    auto some = left_over.first(count);
-    const bool sort = order.pays() || window % LinesOrder::kTryAgain == 0;
-    if (sort) some = order.Sort(scan, left_over, count);
-    for (size_t n = 0; n < count && !stop.Stopped(); n += kTriangleLanes) {
-      if (!sort) PrefetchCorners(mesh, left_over.subspan(n));
-      const auto lanes = some.subspan(n, std::min(kTriangleLanes, count - n));
-      ScanCover(scan, lanes, out, left);
-      out.EndRun(lanes);
-    }
-    done += count;
-  }
-  return done;
-}
-
-size_t FindInLanes(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const std::vector<ScanFrame>& frames,
-                   const IndexBox& box, const BitsLayout& layout, StopSignal stop, size_t enough, Candidates& out) {
-  const Target target{box.max - box.min, layout, static_cast<int32_t>(layout.NumberOf(box.min))};
-  const Vec3i low = box.min * kLatticeUnit;
-  const Scan scan{mesh,  PaddedVertices(mesh), frames, FrameTable(frames, {{}, target.size}), NarrowExtent(frames), low,
-                  target};
-  LinesOrder order;
-  constexpr size_t kForBoxes = 8;  // candidates for each triangle; from this number on, boxes may pay
-  bool boxes_too = *std::max_element(target.size.begin(), target.size.end()) <= TriangleBoxes::kMostSide;
-  size_t done = 0;
-  for (size_t window = 0; done < triangles.size() && out.size() < enough && !stop.Stopped(); ++window) {
+  for (size_t window = 0; done < triangles.size() && out.size() < limits.enough && !stop.Stopped(); ++window) {
+    begin_window();
     // Each triangle has up to some 50,000 candidates, or hardly any.
     const size_t step = std::clamp(kAtOnce * out.triangles.size() / (out.size() + 1), kFewest, LinesOrder::kMost) /
                         kTriangleLanes * kTriangleLanes;
@@ -331,15 +299,51 @@ size_t FindInLanes(const SnappedMesh& mesh, std::span<const uint32_t> triangles,
     const bool sort = (order.pays() || window % LinesOrder::kTryAgain == 0) && some.size() > kTriangleLanes;
     if (sort) some = order.Sort(scan, left, some.size());
     for (size_t n = 0; n < some.size() && !stop.Stopped(); n += kTriangleLanes) {
-      if (!sort) PrefetchCorners(mesh, left.subspan(n));
+      if (!sort) PrefetchCorners(scan.mesh, left.subspan(n));
       const auto lanes = some.subspan(n, std::min(kTriangleLanes, some.size() - n));
-      ScanSome(scan, lanes, boxes_too, out);
+      scan_lanes(lanes);
       out.EndRun(lanes);
     }
     done += some.size();
-    boxes_too &= out.size() >= kForBoxes * out.triangles.size();
   }
   return done;
+}
+
+Target TargetOf(const SearchLimits& limits) {
+  const IndexBox& box = limits.box;
+  return {box.max - box.min, limits.layout, static_cast<int32_t>(limits.layout.NumberOf(box.min))};
+}
+
+size_t FindInLanes(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const std::vector<ScanFrame>& frames,
+                   const SearchLimits& limits, Candidates& out) {
+  const Target target = TargetOf(limits);
+  const Scan scan{mesh,
+                  PaddedVertices(mesh),
+                  frames,
+                  FrameTable(frames, {{}, target.size}),
+                  NarrowExtent(frames),
+                  limits.box.min * kLatticeUnit,
+                  target};
+  constexpr size_t kForBoxes = 8;  // candidates for each triangle; from this number on, boxes may pay
+  bool boxes_too = *std::max_element(target.size.begin(), target.size.end()) <= TriangleBoxes::kMostSide;
+  const auto begin_window = [&] { boxes_too &= out.size() >= kForBoxes * out.triangles.size(); };
+  const auto scan_lanes = [&](std::span<const uint32_t> lanes) { ScanSome(scan, lanes, boxes_too, out); };
+  return ScanWindows(scan, triangles, limits, out, begin_window, scan_lanes);
+}
+
+size_t FindCoverInLanes(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const CoverShape& shape,
+                        const SearchLimits& limits, Candidates& out, std::vector<uint32_t>& left) {
+  const Target target = TargetOf(limits);
+  const Scan scan{mesh,
+                  PaddedVertices(mesh),
+                  shape.frames,
+                  FrameTable(shape.frames, {{}, target.size}, shape.cell),
+                  std::min(NarrowExtent(shape.frames), shape.most_extent),
+                  limits.box.min * kLatticeUnit,
+                  target};
+  const auto scan_lanes = [&](std::span<const uint32_t> lanes) { ScanCover(scan, lanes, out, left); };
+  return ScanWindows(
+      scan, triangles, limits, out, [] {}, scan_lanes);
 }
 
 #endif
@@ -361,19 +365,15 @@ HWY_EXPORT(FindCoverInLanes);
 }  // namespace
 
 size_t FindCandidates(const SnappedMesh& mesh, std::span<const uint32_t> triangles,
-                      const std::vector<ScanFrame>& frames, const IndexBox& box, const BitsLayout& layout,
-                      StopSignal stop, size_t enough, Candidates& candidates) {
-  if (SimdIsScalar()) return FindScalar(mesh, triangles, frames, box, layout, stop, enough, candidates);
-  return HWY_DYNAMIC_DISPATCH(FindInLanes)(mesh, triangles, frames, box, layout, stop, enough, candidates);
+                      const std::vector<ScanFrame>& frames, const SearchLimits& limits, Candidates& candidates) {
+  if (SimdIsScalar()) return FindScalar(mesh, triangles, frames, limits, candidates);
+  return HWY_DYNAMIC_DISPATCH(FindInLanes)(mesh, triangles, frames, limits, candidates);
 }
 
-size_t FindCoverCandidates(const SnappedMesh& mesh, std::span<const uint32_t> triangles,
-                           const std::vector<ScanFrame>& frames, const CellSegments& cell, int32_t most,
-                           const IndexBox& box, const BitsLayout& layout, StopSignal stop, size_t enough,
-                           Candidates& candidates, std::vector<uint32_t>& left) {
+size_t FindCoverCandidates(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const CoverShape& shape,
+                           const SearchLimits& limits, Candidates& candidates, std::vector<uint32_t>& left) {
   if (SimdIsScalar()) return LeaveAll(triangles, left);
-  return HWY_DYNAMIC_DISPATCH(FindCoverInLanes)(mesh, triangles, frames, cell, most, box, layout, stop, enough,
-                                                candidates, left);
+  return HWY_DYNAMIC_DISPATCH(FindCoverInLanes)(mesh, triangles, shape, limits, candidates, left);
 }
 
 }  // namespace latvox

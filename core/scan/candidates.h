@@ -7,7 +7,8 @@
 //   line_scan.h                     that scan in integers that are linear over the lines, and fit lanes of 32 bits
 //   line_scan_lanes-inl.h           many triangles' scans in lanes
 //   row_spans-inl.h                 the lines of long rows that are within rims and edges
-//   scan_batch-inl.h                the lines of many small triangles together
+//   cover_bounds-inl.h              rims and second voxels of a supercover's lines
+//   batch_lines-inl.h, scan_batch-inl.h  the lines of many small triangles together
 //   scan_single-inl.h               the lines of one triangle, in blocks; candidates.cc combines all of these
 //   stars.h                         many stars in lanes
 //   open_stars.h                    which stars may reach a voxel outside of a set
@@ -72,26 +73,36 @@ struct Candidates {
   }
 };
 
-// Appends the candidates in `box`, which lies in `layout`, of the triangles. Every voxel in the box that one of them
-// contributes is there with that triangle, and few others are. They come in any order.
-//   enough   once there are so many candidates in all, the current triangles, up to 256, are the last
+// Where candidates are wanted, and when a search ends.
+struct SearchLimits {
+  IndexBox box;       // lies in `layout`
+  BitsLayout layout;  // of the voxels' numbers
+  StopSignal stop;
+  size_t enough;  // once there are so many candidates in all, the current triangles, up to 256, are the last
+};
+
+// Appends the candidates in the box of the triangles. Every voxel in the box that one of them contributes is there with
+// that triangle, and few others are. They come in any order.
 // Returns the number of triangles done, from the first on, at least one. Once the job is cancelled, returns early with
 // a meaningless result.
 size_t FindCandidates(const SnappedMesh& mesh, std::span<const uint32_t> triangles,
-                      const std::vector<ScanFrame>& frames, const IndexBox& box, const BitsLayout& layout,
-                      StopSignal stop, size_t enough, Candidates& candidates);
+                      const std::vector<ScanFrame>& frames, const SearchLimits& limits, Candidates& candidates);
 
-// Does the same for the supercover on a lattice with this cell. Each voxel of the box whose cell meets one of the
-// triangles is in `nearer`, or with that triangle in `farther` or `rim`. All of `nearer` have such cells.
-//   frames   of all neighbors whose cells meet
-//   most     the largest extent of a triangle, lattice units
+// What the scan for a supercover needs of the lattice's cell.
+// Precondition: core/supercover/near_cells.h applies to the cell.
+struct CoverShape {
+  const std::vector<ScanFrame>& frames;  // of all neighbors whose cells meet
+  const CellSegments& cell;
+  int32_t most_extent;  // of a triangle, lattice units
+};
+
+// Does the same for the supercover. Each voxel of the box whose cell meets one of the triangles is in `nearer`, or with
+// that triangle in `farther` or `rim`. All of `nearer` have such cells.
 //   left     gets the triangles that this does not handle: larger ones, those without area, and those that vectors
 //            cannot hold. Plain C++ leaves all.
-// Precondition: core/supercover/near_cells.h applies to the cell, and voxels a step beyond the box have numbers, too.
-size_t FindCoverCandidates(const SnappedMesh& mesh, std::span<const uint32_t> triangles,
-                           const std::vector<ScanFrame>& frames, const CellSegments& cell, int32_t most,
-                           const IndexBox& box, const BitsLayout& layout, StopSignal stop, size_t enough,
-                           Candidates& candidates, std::vector<uint32_t>& left);
+// Precondition: voxels a step beyond the box have numbers, too.
+size_t FindCoverCandidates(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const CoverShape& shape,
+                           const SearchLimits& limits, Candidates& candidates, std::vector<uint32_t>& left);
 
 }  // namespace latvox
 

@@ -79,7 +79,7 @@ Found FromCandidates(const std::vector<Triangle>& triangles, const std::vector<S
   Found found;
   for (std::span<const uint32_t> left = numbers; !left.empty();) {
     Candidates candidates;
-    const size_t taken = FindCandidates(mesh, left, frames, box, layout, StopSignal(), enough, candidates);
+    const size_t taken = FindCandidates(mesh, left, frames, {box, layout, StopSignal(), enough}, candidates);
     EXPECT_GT(taken, 0U);
     EXPECT_TRUE(candidates.size() >= enough || taken == left.size());
     if (taken == 0) break;
@@ -185,7 +185,7 @@ TEST(Candidates, HaveBoxesByWhichTheLargeTrianglesOfVoxelsAreFoundOnEachKernel) 
       const ForcedSimd forced(simd);
       if (SimdIsScalar()) continue;  // it has no boxes
       Candidates candidates;
-      FindCandidates(mesh, Iota(triangles.size()), frames, box, layout, StopSignal(), SIZE_MAX, candidates);
+      FindCandidates(mesh, Iota(triangles.size()), frames, {box, layout, StopSignal(), SIZE_MAX}, candidates);
       ASSERT_EQ(candidates.boxes.size(), triangles.size());
       const auto find = [&](size_t most, std::vector<VoxelTriangle>& pairs) {
         return candidates.boxes.FindPairs(layout, box.min, candidates.triangles, asked, most, pairs);
@@ -205,8 +205,9 @@ TEST(Candidates, HaveNoBoxesWhereThesePayNotOrDoNotFitOnEachKernel) {
   const auto frames = MakeScanFrames(Lattice::Named(NamedLattice::kCartesian).frames(0));
   const auto boxes = [&](const std::vector<Triangle>& triangles, int32_t side) {
     Candidates candidates;
-    FindCandidates(MeshOf(triangles), Iota(triangles.size()), frames, {{0, 0, 0}, {side, side, side}},
-                   BitsLayout({0, 0, 0}, {1, 1, 1}, side), StopSignal(), SIZE_MAX, candidates);
+    const SearchLimits limits{
+        {{0, 0, 0}, {side, side, side}}, BitsLayout({0, 0, 0}, {1, 1, 1}, side), StopSignal(), SIZE_MAX};
+    FindCandidates(MeshOf(triangles), Iota(triangles.size()), frames, limits, candidates);
     return candidates.boxes.size();
   };
   const auto large = TrianglesAround({0, 0, 0}, 9000, 100), small = TrianglesAround({0, 0, 0}, 100, 100);
