@@ -121,17 +121,17 @@ void CoverScan::AddNearCells(const TileContext& context, std::span<const uint32_
     AddMeeting(context, memory.pairs, keep, voxels);
   };
   const SearchLimits limits{where.box, where.layout, context.stop, kEnough};
-  left_.clear();
   for (size_t done = 0; done < triangles.size() && !context.stop.Stopped();) {
     lines_.Clear();
+    left_.clear();
     done += FindCoverCandidates(context.mesh, triangles.subspan(done), shape, limits, lines_, left_);
     voxels.Add(lines_.nearer.view());
+    for (const uint32_t t : left_) {
+      if (context.stop.Stopped()) break;
+      AddRows(context, context.mesh.TriangleAt(t), voxels);
+    }
     add(lines_.rim, &Candidates::Run::rim_end);
     add(lines_.farther, &Candidates::Run::crossed_end);
-  }
-  for (const uint32_t t : left_) {
-    if (context.stop.Stopped()) break;
-    AddRows(context, context.mesh.TriangleAt(t), voxels);
   }
 }
 

@@ -58,12 +58,14 @@ class Appender {
     farther_ += selected.count();
     rim_ += AppendLanes(d, voxel, rim, rim_);
   }
-  // Does the same for a supercover: `second` selects the lines that may have a second voxel.
+  // Does the same for a supercover. The lanes' second voxels are in it where `sure` says so, and may be for `open`.
   template <class D>
   HWY_INLINE void AppendCover(D d, hn::Vec<D> voxel, hn::Vec<D> to_second, hn::Mask<D> crossed, hn::Mask<D> rim,
-                              hn::Mask<D> second) {
+                              hn::Mask<D> sure, hn::Mask<D> open) {
+    const auto second = hn::Add(voxel, to_second);
     nearer_ += AppendLanes(d, voxel, crossed, nearer_);
-    farther_ += AppendLanes(d, hn::Add(voxel, to_second), second, farther_);
+    nearer_ += AppendLanes(d, second, sure, nearer_);
+    farther_ += AppendLanes(d, second, open, farther_);
     rim_ += AppendLanes(d, voxel, rim, rim_);
   }
 

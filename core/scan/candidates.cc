@@ -227,7 +227,7 @@ void ScanSome(const Scan& scan, std::span<const uint32_t> triangles, bool boxes_
   LineScanLanes lines;
   if (boxes_too) AddBoxes(these, triangles.size(), out.boxes);
   const LineBoxes boxes = these.Boxes(scan);
-  MakeLineScans<false>(scan.table, boxes, lines);
+  MakeLineScans(scan.table, boxes, nullptr, lines);
 
   const auto valid = hn::LoadMaskBits(d, reinterpret_cast<const uint8_t*>(&lines.valid));
   const auto few = hn::And(valid, hn::Lt(hn::Max(boxes.width, boxes.height), Fill(kFewLines + 1)));
@@ -261,16 +261,15 @@ void ScanSome(const Scan& scan, std::span<const uint32_t> triangles, bool boxes_
 void ScanCover(const Scan& scan, std::span<const uint32_t> triangles, Candidates& out, std::vector<uint32_t>& left) {
   const SomeTriangles these(scan, triangles);
   const LineBoxes boxes = these.Boxes(scan);
+  const SecondVoxels seconds(scan.table.cell, boxes.normal, boxes.along);
   LineScanLanes lines;
-  MakeLineScans<true>(scan.table, boxes, lines);
+  MakeLineScans(scan.table, boxes, &seconds, lines);
   const uint64_t flat = BitsOf(hn::And(these.near, hn::Eq(boxes.along, hn::Zero(Lanes()))));
   uint64_t done = 0;
   if (lines.valid != 0) {
     const auto valid = hn::LoadMaskBits(Lanes(), reinterpret_cast<const uint8_t*>(&lines.valid));
     const Ints longer = hn::IfThenElseZero(valid, hn::Max(boxes.width, boxes.height));
-    const Ints second = SecondVoxel(scan.table.cell, boxes.normal, boxes.along);
-    lines.second = second;
-    const auto has_two = hn::Gt(second, Fill(-1));  // else h may reach n.C, and a line may have a third voxel
+    const auto has_two = hn::Gt(seconds.maybe(), Fill(-1));  // else h may reach n.C, and a line may have a third voxel
     const uint64_t some = BitsOf(hn::And(valid, hn::And(has_two, hn::Lt(longer, Fill(kFewLines + 1)))));
     const auto scan_batch = MostOfLanes(longer) >= kLongRow ? ScanBatch<true, true> : ScanBatch<false, true>;
     done = scan_batch(lines, some, these.lowest, these.highest, scan.table, scan.target, out);

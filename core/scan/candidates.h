@@ -42,7 +42,7 @@ struct Candidates {
   static constexpr size_t kMaxRun = size_t{1} << (32 - kNumberBits);
 
   // Links along principal directions that a triangle crosses, from nearer[n], a voxel of the surface, to farther[n].
-  // For a supercover, `farther` has each voxel that may be the second of its line.
+  // For a supercover, `nearer` has voxels of it, and `farther` those second ones of lines that the scan leaves open.
   NumberList nearer, farther;
   // Voxels on lattice lines that pass a triangle closely. A star decides whether the triangle contributes them.
   NumberList rim;

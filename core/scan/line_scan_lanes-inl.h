@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <type_traits>
 
 #include "core/scan/cover_bounds-inl.h"
 #include "core/scan/line_scan.h"
@@ -32,8 +33,8 @@ struct alignas(64) LaneInts {
 struct LineScanLanes {
   LaneInts a, b, width, height, edge[3], edge_a[3], edge_b[3], rim[3], along, level_a, level_b, remainder, half, depth,
       shape, right_depth, right_remainder, down_depth, down_remainder, frame;
-  LaneInts second;      // of a supercover, see SecondVoxel; MakeLineScans leaves it open
-  uint64_t valid;       // bit n: lane n may have a candidate in the box
+  LaneInts second, sure_second, enough_above[3], enough_below[3];  // of a supercover, see SecondVoxels
+  uint64_t valid;                                                  // bit n: lane n may have a candidate in the box
   uint64_t astride[3];  // bit n: some of its lines may have their voxel beyond the box's bounds on this axis
 
   LineScan<int32_t> At(size_t n) const {
@@ -241,9 +242,10 @@ struct LineBoxes {
 };
 
 // Leaves the members of PrepareBlocks open.
-//   kCover   whether the scan is that of a supercover
-template <bool kCover>
-HWY_INLINE void MakeLineScans(const FrameTable& frames, const LineBoxes& boxes, LineScanLanes& out) {
+//   seconds   for the scan of a supercover; else null
+template <class Seconds>
+HWY_INLINE void MakeLineScans(const FrameTable& frames, const LineBoxes& boxes, Seconds seconds, LineScanLanes& out) {
+  constexpr bool kCover = !std::is_null_pointer_v<Seconds>;
   const Lanes d;
   const hn::RebindToFloat<Lanes> df;
   const Ints zero = hn::Zero(d), one = Fill(1);
@@ -259,15 +261,25 @@ HWY_INLINE void MakeLineScans(const FrameTable& frames, const LineBoxes& boxes, 
   const FramePick pick(frame);
   const Ints3 q = pick(frames.q), u0 = pick(frames.u[0]), u1 = pick(frames.u[1]);
   std::array<std::array<Ints, 2>, kMaxHull> hull;
+  if constexpr (kCover) {
+    out.second = seconds->maybe();
+    out.sure_second = seconds->sure();
+  }
   for (size_t h = 0; h < frames.hull_size; ++h) hull[h] = {pick(frames.hull[h][0]), pick(frames.hull[h][1])};
   const Ints from_a = hn::ShiftLeft<kSubvoxelBits>(a), from_b = hn::ShiftLeft<kSubvoxelBits>(b);
   for (size_t n = 0; n < 3; ++n) {
     const size_t next = (n + 1) % 3;
     const Ints dx = hn::Sub(x[next], x[n]), dy = hn::Sub(y[next], y[n]);
-    Ints rim = zero;
+    Ints rim = zero, at_corner = zero;
     for (size_t h = 0; h < frames.hull_size; ++h) {
-      const Ints over = hn::Abs(Minor(dx, dy, hull[h][0], hull[h][1]));
-      rim = kCover ? hn::Add(rim, over) : hn::Max(rim, over);
+      const Ints over = Minor(dx, dy, hull[h][0], hull[h][1]), size = hn::Abs(over);
+      rim = kCover ? hn::Add(rim, size) : hn::Max(rim, size);
+      if constexpr (kCover) at_corner = seconds->AddStep(at_corner, h, over);
+    }
+    if constexpr (kCover) {
+      const auto [above, below] = seconds->EnoughOf(at_corner);
+      out.enough_above[n] = above;
+      out.enough_below[n] = below;
     }
     // dy*R0 - dx*R1 is edge x q.
     const auto tie = hn::Gt(FirstNonzero(CrossOf(Minus(v[next], v[n]), q)), zero);

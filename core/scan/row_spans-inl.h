@@ -22,6 +22,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 // The lines of a row of n lines within all rims (core/scan/line_scan.h), and those within all edges.
 //
 // Let e be an edge function of the row's first line, s its change from line to line, and r the rim, or 0: all integers.
+// A negative rim selects lines that are so far within the edge.
 // The lines a with e + r + s*a >= 0 are those with e + r + 1/2 + s*a > 0: for s > 0 those behind the place
 // p = -(e + r + 1/2) / s, for s < 0 those before it. No line is closer to p than 1/(2|s|), so p + 1/2, rounded, is the
 // first line behind p. It is computed as e * (-1/s) + ((r + 1/2) * (-1/s) + 1/2), in floats whose operations round to
@@ -32,7 +33,7 @@ class RowSpans {
  public:
   static constexpr int32_t kMostLines = 64;
 
-  //   step, rim  of the three edges
+  //   step, rim  of the three edges; rims may be negative
   //   lines      of a row, up to kMostLines
   HWY_INLINE RowSpans(const Ints (&step)[3], const Ints (&rim)[3], Ints lines) : lines_(ToFloats(lines)) {
     const Lanes d;

@@ -65,11 +65,14 @@ struct BatchLine {
 template <bool kCover>
 class BatchWalk {
  public:
+  static constexpr bool kIsCover = kCover;
+
   HWY_INLINE explicit BatchWalk(const BatchLines& lines)
       : below_along_(hn::Sub(lines.along, Fill(1))),
         minus_along_(hn::Neg(lines.along)),
         below_half_(hn::Sub(lines.scans.half.Load(), Fill(1))),
         second_(kCover ? lines.scans.second.Load() : below_half_),
+        sure_second_(kCover ? lines.scans.sure_second.Load() : below_half_),
         number_q_(lines.NumberOf(lines.q)),
         counter_q_(hn::IfThenElseZero(lines.some, PackedCounter::Coordinates(lines.q))),
         counter_(lines.limit),
@@ -87,14 +90,21 @@ class BatchWalk {
   // A sign of PackedCounter is set where the voxel is not wanted, or the row has ended.
   HWY_INLINE Ints Outside(const BatchLine& line) const { return counter_.Signs(line.counter); }
 
+  // Whether the plane is above the line's voxel.
+  HWY_INLINE hn::Mask<Lanes> IsBelowPlane(const BatchLine& line) const { return hn::Gt(line.remainder, below_half_); }
+
   // Appends the lines' voxels.
-  HWY_INLINE void Append(const BatchLine& line, hn::Mask<Lanes> crossed, hn::Mask<Lanes> rim_only,
-                         Appender& appender) const {
-    const Ints to_farther = hn::IfThenElse(hn::Gt(line.remainder, below_half_), number_q_, hn::Neg(number_q_));
+  //   inner    the lines within all edges
+  //   inside   of a supercover: the lines whose second voxel meets the triangle if its cell meets the plane
+  HWY_INLINE void Append(const BatchLine& line, hn::Mask<Lanes> candidate, hn::Mask<Lanes> inner,
+                         hn::Mask<Lanes> inside, Appender& appender) const {
+    const auto crossed = hn::And(candidate, inner), rim_only = hn::AndNot(inner, candidate);
+    const Ints to_farther = hn::IfThenElse(IsBelowPlane(line), number_q_, hn::Neg(number_q_));
     if constexpr (kCover) {
-      const Ints distance = hn::Abs(hn::Sub(hn::Sub(hn::Add(line.remainder, line.remainder), below_along_), Fill(1)));
-      const auto second = hn::And(hn::Or(crossed, rim_only), hn::Gt(distance, second_));
-      appender.AppendCover(Lanes(), line.number, to_farther, crossed, rim_only, second);
+      const Ints distance = hn::Abs(hn::Add(hn::Add(line.remainder, line.remainder), minus_along_));
+      const auto second = hn::And(candidate, hn::Gt(distance, second_));
+      const auto sure = hn::And(second, hn::And(inside, hn::Gt(distance, sure_second_)));
+      appender.AppendCover(Lanes(), line.number, to_farther, crossed, rim_only, sure, hn::AndNot(sure, second));
     } else {
       appender.Append(Lanes(), line.number, to_farther, crossed, rim_only);
     }
@@ -120,7 +130,7 @@ class BatchWalk {
     line.counter = AddIf(d, carry, counter, counter_q_);
   }
 
-  Ints below_along_, minus_along_, below_half_, second_;
+  Ints below_along_, minus_along_, below_half_, second_, sure_second_;
   Ints number_q_, counter_q_;  // the changes by q
   PackedCounter counter_;
   BatchLine right_, down_;
@@ -140,8 +150,33 @@ HWY_INLINE BatchLine FirstOf(const BatchLines& lines) {
 // The beginning of a row without the lines beyond the rims.
 struct BatchRow {
   LaneInts remainder, number, counter;
-  LaneInts before_inner, behind_inner;  // within all edges, the counter is below the first and above the second
+  // A part of the row: there the counter is below the first and above the second.
+  struct Part {
+    LaneInts before, behind;
+  };
+  Part inner;         // the lines within all edges
+  Part above, below;  // of a supercover: those whose edge functions are enough (SecondVoxels)
   int32_t lines;
+};
+
+// The spans of a supercover's lines with enough edge functions (SecondVoxels). These are rims that are negative, or
+// wider than the others by 2 at most.
+template <bool kCover>
+struct SecondSpans {
+  HWY_INLINE explicit SecondSpans(const BatchLines&) {}
+};
+template <>
+struct SecondSpans<true> {
+  RowSpans above, below;
+
+  HWY_INLINE explicit SecondSpans(const BatchLines& lines)
+      : above(SpansOf(lines, lines.scans.enough_above)), below(SpansOf(lines, lines.scans.enough_below)) {}
+
+ private:
+  static HWY_INLINE RowSpans SpansOf(const BatchLines& lines, const LaneInts (&enough)[3]) {
+    const Ints rim[3] = {hn::Neg(enough[0].Load()), hn::Neg(enough[1].Load()), hn::Neg(enough[2].Load())};
+    return {lines.right.edge, rim, lines.boxes.width};
+  }
 };
 
 // Finds the lanes' rows within their rims. A line outside of all rims is never a candidate (core/scan/line_scan.h), so
@@ -150,7 +185,7 @@ template <class Walk>
 class BatchRows {
  public:
   HWY_INLINE BatchRows(const BatchLines& lines, const Walk& walk, const RowSpans& spans)
-      : lines_(lines), walk_(walk), spans_(spans), first_(FirstOf(lines)) {
+      : lines_(lines), walk_(walk), spans_(spans), seconds_(lines), first_(FirstOf(lines)) {
     const hn::RebindToFloat<Lanes> df;
     per_along_ = hn::Div(hn::Set(df, 1.0F), ToFloat(lines.along));
     depth_right_ = hn::Mul(ToFloat(lines.right.remainder), per_along_);
@@ -187,8 +222,16 @@ class BatchRows {
         hn::Add(moved(first_.number, walk_.down().number, walk_.right().number), hn::Mul(depth, walk_.number_q()));
     row.counter = hn::IfThenElse(hn::Gt(count, zero), hn::Add(counter, PackedCounter::Lines(hn::Sub(count, Fill(1)))),
                                  PackedCounter::None());
-    row.before_inner = PackedCounter::Lines(hn::Sub(behind, spans.inner_begin));
-    row.behind_inner = hn::Sub(PackedCounter::Lines(hn::Sub(behind, spans.inner_end)), Fill(1));
+    const auto set = [&](BatchRow::Part& part, Ints first, Ints end) HWY_ATTR {
+      part.before = PackedCounter::Lines(hn::Sub(behind, first));
+      part.behind = hn::Sub(PackedCounter::Lines(hn::Sub(behind, end)), Fill(1));
+    };
+    set(row.inner, spans.inner_begin, spans.inner_end);
+    if constexpr (Walk::kIsCover) {
+      const RowSpans::Spans above = seconds_.above.Of(edge), below = seconds_.below.Of(edge);
+      set(row.above, above.begin, above.end);
+      set(row.below, below.begin, below.end);
+    }
     row.lines = MostOfLanes(count);
   }
 
@@ -210,6 +253,7 @@ class BatchRows {
   const BatchLines& lines_;
   const Walk& walk_;
   const RowSpans& spans_;
+  const SecondSpans<Walk::kIsCover> seconds_;
   BatchLine first_;
   Floats per_along_, depth_right_, depth_down_;
   Ints counter_right_;
@@ -218,18 +262,25 @@ class BatchRows {
 
 // Emission.
 
-// Room for candidates on all lines.
+// Room for candidates on all lines. A line of a supercover may add two of `nearer`.
+template <bool kCover>
 HWY_INLINE size_t MostCandidates(const BatchLines& lines) {
-  return static_cast<size_t>(lines.boxes.longest) * static_cast<size_t>(lines.boxes.rows) * kTriangleLanes;
+  const size_t steps = static_cast<size_t>(lines.boxes.longest) * static_cast<size_t>(lines.boxes.rows);
+  return steps * kTriangleLanes * (kCover ? 2 : 1);
 }
 
 // Goes through all lines, and checks for each the sides of edges and rims.
 template <bool kCover>
 HWY_INLINE void ScanAllLines(const BatchLines& lines, Candidates& out) {
-  const Ints zero = hn::Zero(Lanes()), negative = Fill(INT32_MIN);
+  const Ints zero = hn::Zero(Lanes()), minus_one = Fill(-1), negative = Fill(INT32_MIN);
   const Ints signs = Fill(static_cast<int32_t>(PackedCounter::kSigns));
   const BatchWalk<kCover> walk(lines);
-  Appender appender(out, MostCandidates(lines));
+  Appender appender(out, MostCandidates<kCover>(lines));
+  Ints above[3], below[3];
+  for (size_t n = 0; kCover && n < 3; ++n) {
+    above[n] = lines.scans.enough_above[n].Load();
+    below[n] = lines.scans.enough_below[n].Load();
+  }
   BatchLine row = FirstOf(lines);
   row.counter = hn::Add(row.counter, PackedCounter::Lines(hn::Sub(lines.boxes.width, Fill(1))));
   for (int32_t b = 0; b < lines.boxes.rows; ++b, walk.Down(row)) {
@@ -241,8 +292,15 @@ HWY_INLINE void ScanAllLines(const BatchLines& lines, Candidates& out) {
       const Ints beyond_rim =
           hn::Or3(hn::Add(e[0], lines.rim[0]), hn::Add(e[1], lines.rim[1]), hn::Add(e[2], lines.rim[2]));
       const Ints out_of = hn::And(hn::OrAnd(walk.Outside(line), beyond_rim, negative), signs);
-      const auto candidate = hn::Eq(out_of, zero), beyond = hn::Lt(hn::Or3(e[0], e[1], e[2]), zero);
-      walk.Append(line, hn::AndNot(beyond, candidate), hn::And(candidate, beyond), appender);
+      const auto candidate = hn::Eq(out_of, zero), inner = hn::Gt(hn::Or3(e[0], e[1], e[2]), minus_one);
+      auto inside = candidate;
+      if constexpr (kCover) {
+        const auto is_below = walk.IsBelowPlane(line);
+        const auto over = [&](size_t n)
+                              HWY_ATTR { return hn::Sub(e[n], hn::IfThenElse(is_below, above[n], below[n])); };
+        inside = hn::Gt(hn::Or3(over(0), over(1), over(2)), minus_one);
+      }
+      walk.Append(line, candidate, inner, inside, appender);
     }
   }
 }
@@ -252,19 +310,26 @@ template <bool kCover>
 HWY_INLINE void ScanSpans(const BatchLines& lines, const RowSpans& spans, Candidates& out) {
   const Ints zero = hn::Zero(Lanes()), signs = Fill(static_cast<int32_t>(PackedCounter::kSigns));
   const BatchWalk<kCover> walk(lines);
-  Appender appender(out, MostCandidates(lines));
+  Appender appender(out, MostCandidates<kCover>(lines));
   // The beginnings of all rows are found first. Nothing predicts the end of a row, and a mispredicted branch costs more
   // the longer it waits for its condition.
   BatchRow rows[kFewLines];
   const BatchRows<BatchWalk<kCover>> find(lines, walk, spans);
   for (int32_t b = 0; b < lines.boxes.rows; ++b) find.Find(b, rows[b]);
   for (const BatchRow& row : std::span(rows).first(static_cast<size_t>(lines.boxes.rows))) {
+    const Ints before_inner = row.inner.before.Load(), behind_inner = row.inner.behind.Load();
     BatchLine line{{zero, zero, zero}, row.remainder.Load(), row.number.Load(), row.counter.Load()};
-    const Ints before_inner = row.before_inner.Load(), behind_inner = row.behind_inner.Load();
     for (int32_t a = 0; a < row.lines; ++a, walk.Right(line)) {
       const auto candidate = hn::Eq(hn::And(walk.Outside(line), signs), zero);
       const auto inner = hn::And(hn::Gt(before_inner, line.counter), hn::Gt(line.counter, behind_inner));
-      walk.Append(line, hn::And(candidate, inner), hn::AndNot(inner, candidate), appender);
+      auto inside = inner;
+      if constexpr (kCover) {
+        const auto is_below = walk.IsBelowPlane(line);
+        const Ints before = hn::IfThenElse(is_below, row.above.before.Load(), row.below.before.Load());
+        const Ints behind = hn::IfThenElse(is_below, row.above.behind.Load(), row.below.behind.Load());
+        inside = hn::And(hn::Gt(before, line.counter), hn::Gt(line.counter, behind));
+      }
+      walk.Append(line, candidate, inner, inside, appender);
     }
   }
 }

@@ -86,21 +86,6 @@ HWY_INLINE uint64_t ReachesPlane(const NearCells::Constants& cell, const SeenTri
   return low | high << kTriangleLanes / 2;
 }
 
-// Bit n: the line along `corner` through voxel n surely meets the triangle, because it passes all edges on one side.
-HWY_INLINE uint64_t SurelyMeets(const NearCells::Constants& cell, const SeenTriangles& seen, const Ints3& corner) {
-  const hn::RebindToFloat<Lanes> df;
-  using Floats = hn::Vec<decltype(df)>;
-  const auto to_floats = [&](const Ints3& x) HWY_ATTR {
-    return std::array<Floats, 3>{hn::ConvertTo(df, x[0]), hn::ConvertTo(df, x[1]), hn::ConvertTo(df, x[2])};
-  };
-  const auto along = to_floats(corner);
-  const auto sides = [&](size_t n) HWY_ATTR { return DotOf(to_floats(seen.moment[n]), along); };
-  const Floats least = hn::Min(sides(0), hn::Min(sides(1), sides(2)));
-  uint64_t bits = 0;
-  hn::StoreMaskBits(df, hn::Gt(least, hn::Set(df, cell.sure)), reinterpret_cast<uint8_t*>(&bits));
-  return bits;
-}
-
 // The facets along each zone, with their weights.
 struct FacetsOfZones {
   struct Entry {
@@ -152,43 +137,21 @@ HWY_INLINE uint64_t Separated(const NearCells::Constants& cell, const FacetsOfZo
   return BitsOf(separated);
 }
 
-// Calls f(first, count, seen) for pairs in lanes. Pads them.
-template <class F>
-HWY_INLINE void ForEachLanes(const SnappedMesh& mesh, const BitsLayout& layout, std::vector<VoxelTriangle>& pairs,
-                             F&& f) {
+void KeepInLanes(const NearCells::Constants& cell, const SnappedMesh& mesh, const BitsLayout& layout,
+                 std::vector<VoxelTriangle>& pairs) {
   const size_t size = pairs.size();
   if (size == 0) return;
   pairs.resize(size + kTriangleLanes, pairs.back());
-  for (size_t n = 0; n < size; n += kTriangleLanes) {
-    f(n, std::min(kTriangleLanes, size - n), SeenTriangles(mesh, layout, pairs.data() + n));
-  }
-}
-
-void KeepInLanes(const NearCells::Constants& cell, const SnappedMesh& mesh, const BitsLayout& layout,
-                 std::vector<VoxelTriangle>& pairs) {
-  size_t kept = 0, open = 0;
-  std::vector<VoxelTriangle> rest(pairs.size() + 1);
-  ForEachLanes(mesh, layout, pairs, [&](size_t first, size_t count, const SeenTriangles& seen) HWY_ATTR {
-    const Ints3 corner = CornerAlong(cell, seen.normal);
-    const uint64_t in_reach = ReachesPlane(cell, seen, corner);
-    uint64_t meets = in_reach & SurelyMeets(cell, seen, corner), unsure = in_reach & ~meets;
-    for (size_t n = 0; n < count; ++n, meets >>= 1, unsure >>= 1) {
-      const VoxelTriangle pair = pairs[first + n];
-      pairs[kept] = pair;
-      kept += meets & 1;
-      rest[open] = pair;
-      open += unsure & 1;
-    }
-  });
-  rest.resize(open);
   const FacetsOfZones along(cell);
-  ForEachLanes(mesh, layout, rest, [&](size_t first, size_t count, const SeenTriangles& seen) HWY_ATTR {
-    uint64_t meets = ~Separated(cell, along, seen);
-    for (size_t n = 0; n < count; ++n, meets >>= 1) {
-      pairs[kept] = rest[first + n];
+  size_t kept = 0;
+  for (size_t first = 0; first < size; first += kTriangleLanes) {
+    const SeenTriangles seen(mesh, layout, pairs.data() + first);
+    uint64_t meets = ReachesPlane(cell, seen, CornerAlong(cell, seen.normal)) & ~Separated(cell, along, seen);
+    for (size_t n = first; n < std::min(size, first + kTriangleLanes); ++n, meets >>= 1) {
+      pairs[kept] = pairs[n];
       kept += meets & 1;
     }
-  });
+  }
   pairs.resize(kept);
 }
 
@@ -231,9 +194,9 @@ void AddFacets(NearCells::Constants& cell, int32_t parts) {
   }
 }
 
-// Returns the largest number b of bits with which integers fit 32 bits if corners are at most 2^b from the voxel, and
-// the triangle's extent, too. Moments and normals then have entries up to 2^(2b + 1).
-int MostBits(const NearCells::Constants& cell) {
+// Returns the largest x with which integers fit 32 bits if corners are at most x from the voxel, and the triangle's
+// extent, too. Moments and normals then have entries up to 2 x^2.
+int32_t MostFromVoxel(const NearCells::Constants& cell) {
   int64_t step = 0, reach = 0;
   for (size_t r = 0; r < cell.steps.size(); ++r) {
     step = std::max<int64_t>(step, AbsoluteSum(cell.steps[r]));
@@ -241,13 +204,13 @@ int MostBits(const NearCells::Constants& cell) {
     for (size_t f = 0; f < cell.facets.size(); ++f) sum += cell.weights[r][f] * AbsoluteSum(cell.facets[f].normal);
     reach = std::max(reach, sum);
   }
-  int bits = 0;
   constexpr int64_t kEnd = int64_t{1} << 31;
-  const auto fits = [&](int b) {
-    return (step * cell.denominator) << (2 * b + 1) < kEnd && (reach * cell.numerator) << b < kEnd;
-  };
-  while (fits(bits + 1)) ++bits;
-  return bits;
+  const auto fits = [&](int64_t x) { return step * cell.denominator * 2 * x * x < kEnd && reach * x < kEnd; };
+  int32_t most = 0;
+  for (int32_t bit = 1 << 15; bit != 0; bit /= 2) {
+    if (fits(most + bit)) most += bit;
+  }
+  return most;
 }
 
 }  // namespace
@@ -281,17 +244,13 @@ std::optional<NearCells> NearCells::Of(const IntegerCell& cell) {
   for (auto& weights : constants.weights) {
     for (int32_t& weight : weights) weight *= constants.numerator;
   }
-  const int bits = MostBits(constants);
-  int32_t margin = 0, corner = 0;
+  int32_t margin = 0;
   for (size_t m = 0; m < 3; ++m) {
     int32_t sum = 0;
     for (const Vec3i& step : constants.steps) sum += std::abs(step[m]);
-    corner += sum;
     margin = std::max(margin, sum * (kLatticeUnit / 2) / out.segments_.parts + 2 * out.steps_[m] * kLatticeUnit);
   }
-  out.most_extent_ = (1 << bits) - margin - 1;
-  // Three conversions, products and sums, with 2^-24 for each rounding.
-  constants.sure = static_cast<float>(corner) * static_cast<float>(int64_t{1} << (2 * bits + 1)) * 0x1p-21F;
+  out.most_extent_ = MostFromVoxel(constants) - margin;
   if (out.most_extent_ < 4 * kLatticeUnit) return std::nullopt;
   return out;
 }

@@ -6,16 +6,12 @@
 // (1) A line that meets the triangle crosses it within C/2 of its nearest voxel z. So z is in the supercover.
 // (2) If the cell of c meets the triangle, the line of c passes the triangle within the cell's projection along C.
 // (3) Let h be the largest n.x over the cell. The cells that meet the plane have voxels within h of it. If h < |n.C|,
-// these
-//     are at most two of each line: z, and the neighbor of z beyond the plane.
-// core/scan finds the lines within (2), their z, and a second voxel where h allows one. The z of (1) are decided. The
-// others are candidates. A pair of voxel and triangle is tested only if no other triangle has covered the voxel.
+//     these are at most two of each line: z, and the neighbor of z beyond the plane.
+// core/scan finds the lines within (2), their z, and a second voxel where h allows one. The z of (1) are decided, and
+// so are most second voxels: see SecondVoxels in core/scan/cover_bounds-inl.h. The others are candidates. A pair of
+// voxel and triangle is tested only if no other triangle has covered the voxel.
 //
-// A pair is decided in two steps.
-// - Let w be the corner of the cell with the largest n.w, which is h. If the voxel is within h of the plane, the line
-//   through it along w meets the plane within the cell. So its cell meets the triangle if that line does. Floats,
-//   with a bound of their error, find that.
-// - Integers test the others on each separating axis (core/supercover/supercover.h).
+// Such a test takes integers on each separating axis (core/supercover/supercover.h).
 #ifndef LATVOX_CORE_SUPERCOVER_NEAR_CELLS_H_
 #define LATVOX_CORE_SUPERCOVER_NEAR_CELLS_H_
 
@@ -48,7 +44,6 @@ class NearCells {
     std::vector<Facet> facets;
     std::array<std::array<int32_t, kFacets>, kMaxZones> weights{};  // of facets, for each zone, times the numerator
     int32_t numerator, denominator;                                 // U / (2 parts); products with g have the latter
-    float sure;  // a product of a moment and 2 * parts * w / U has the sign of its float if it is larger
   };
 
   // Returns nullopt for cells of large integers, and for those that meet a neighbor without a frame, if there are any.

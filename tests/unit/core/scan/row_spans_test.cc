@@ -134,7 +134,7 @@ TEST(RowSpans, AreRightWhereEdgesPassLinesCloselyOnEachKernel) {
     for (size_t m = 0; m < 3; ++m) {
       const int32_t most = any(0, 1) == 0 ? kMostStep : 300;
       row.step[m] = any(0, 3) == 0 ? (any(0, 1) * 2 - 1) * most : any(-most, most);
-      row.rim[m] = any(0, 1) == 0 ? any(0, kMostRim) : any(0, 1000);
+      row.rim[m] = any(0, 1) == 0 ? any(-kMostRim, kMostRim) : any(-1000, 1000);
       const int32_t line = any(-2, row.lines + 1), rim = any(0, 1) * row.rim[m];
       row.edge[m] = -row.step[m] * line - rim + any(-2, 1);
     }
@@ -150,7 +150,7 @@ TEST(RowSpans, AreRightWhereEdgesAreFarAwayOrParallelToRowsOnEachKernel) {
     row.lines = any(1, kMostLines);
     for (size_t m = 0; m < 3; ++m) {
       row.step[m] = any(0, 1) * any(-3, 3);
-      row.rim[m] = any(0, kMostRim);
+      row.rim[m] = any(-kMostRim, kMostRim);
       const int32_t bits = any(1, 27);
       row.edge[m] = any(0, 2) == 0 ? -row.rim[m] + any(-1, 0) : any(-(1 << bits), 1 << bits);
     }

@@ -7,10 +7,12 @@
 #include <random>
 #include <set>
 
+#include "core/scan/candidates.h"
 #include "tests/unit/core/exact.h"
 #include "tests/unit/core/simd.h"
 #include "tests/unit/core/sphere.h"
 #include "tests/unit/core/supercover/row_by_row.h"
+#include "tests/unit/core/triangles.h"
 
 namespace latvox {
 namespace {
@@ -36,7 +38,7 @@ TEST(NearCells, BothWaysGiveTheVoxelsOfEachTriangleRowByRow) {
   for (const Lattice& lattice : LatticesOfSmallCells()) {
     const Supercover supercover(IntegerCell::Of(lattice).value());
     for (const auto& [extent, count] : std::vector<std::pair<int64_t, size_t>>{
-             {100, 200}, {400, 200}, {1000, 100}, {3000, 40}, {9000, 8}, {40000, 2}}) {
+             {100, 200}, {400, 200}, {1000, 100}, {3000, 40}, {9000, 8}, {15000, 6}, {40000, 2}}) {
       for (const int64_t grain : {1, 16, 64, 128, 256}) {
         if (grain * 2 > extent) continue;
         const oracle::Mesh mesh = RandomTriangles(grain, extent, count, random);
@@ -54,12 +56,43 @@ TEST(NearCells, BothWaysGiveTheVoxelsOfEachTriangleRowByRow) {
 TEST(NearCells, EachTriangleAloneIsCovered) {
   std::mt19937 random(22);
   for (const Lattice& lattice : LatticesOfSmallCells()) {
-    for (const int64_t extent : {600, 2500, 6000}) {
+    for (const int64_t extent : {600, 2500, 6000, 13000}) {
       for (int n = 0; n < 40; ++n) {
         const oracle::Mesh mesh = RandomTriangles(n % 4 == 0 ? 64 : 1, extent, 1, random);
         const Result result = Voxelize(ToWorld(mesh, lattice), Unscaled(lattice), {.set = SupercoverSurface{}}, 1);
         ASSERT_EQ(VoxelsOf(result), RowByRow(mesh, lattice)) << "extent " << extent << " triangle " << n;
       }
+    }
+  }
+}
+
+// What the scan decides by itself, second voxels included, is in the supercover.
+TEST(NearCells, TheScanDecidesOnlyForVoxelsOfTheSupercover) {
+  std::mt19937 random(23);
+  constexpr int32_t kSide = 128, kMargin = 8;
+  const IndexBox box{{0, 0, 0}, {kSide, kSide, kSide}};
+  const BitsLayout layout({0, 0, 0}, {kMargin, kMargin, kMargin}, kSide);
+  for (const Lattice& lattice : LatticesOfSmallCells()) {
+    const Supercover supercover(IntegerCell::Of(lattice).value());
+    const NearCells& cells = *supercover.near_cells();
+    for (const int64_t extent : {1000, 2900}) {
+      const oracle::Mesh mesh = RandomTriangles(1, extent, 100, random);
+      const std::set<Int3> expected = RowByRow(mesh, lattice);
+      std::vector<Triangle> triangles;
+      for (const oracle::Triangle& triangle : mesh) triangles.push_back(FromOracle(triangle));
+      const SearchLimits limits{box, layout, StopSignal(), SIZE_MAX};
+      WithEachSimd([&] {
+        if (SimdIsScalar()) return;  // it scans none
+        Candidates found;
+        std::vector<uint32_t> left;
+        FindCoverCandidates(MeshOf(triangles), Iota(triangles.size()),
+                            {cells.frames(), cells.segments(), cells.most_extent()}, limits, found, left);
+        EXPECT_TRUE(left.empty());
+        for (const uint32_t number : found.nearer.view()) {
+          const Vec3i v = layout.VoxelAt(number & kNumberMask);
+          ASSERT_TRUE(expected.contains({v[0], v[1], v[2]})) << v[0] << " " << v[1] << " " << v[2];
+        }
+      });
     }
   }
 }
