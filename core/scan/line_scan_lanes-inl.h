@@ -241,6 +241,39 @@ struct LineBoxes {
   }
 };
 
+// The depths of voxels on lines, seen from the box's line (a, b).
+HWY_INLINE void MakeDepths(const FrameTable& frames, const FramePick& pick, const LineBoxes& boxes,
+                           LineScanLanes& out) {
+  const Lanes d;
+  const hn::RebindToFloat<Lanes> df;
+  const Ints zero = hn::Zero(d), one = Fill(1);
+  const auto& [v, normal, along, frame, x, y, a, b, width, height, valid] = boxes;
+  const Ints3 u0 = pick(frames.u[0]), u1 = pick(frames.u[1]);
+  const Ints from_a = hn::ShiftLeft<kSubvoxelBits>(a), from_b = hn::ShiftLeft<kSubvoxelBits>(b);
+  const Ints flip = hn::IfThenElseZero(hn::Lt(FirstNonzero(normal), zero), one);
+  const Ints n_a = DotOf(normal, u0), n_b = DotOf(normal, u1);
+  const Ints z0 = hn::Add(DotOf(pick(frames.r[2]), v[0]), Fill(kLatticeUnit / 2));
+  const Ints to_x = hn::Sub(x[0], from_a), to_y = hn::Sub(y[0], from_b);
+  Ints level = zero, rest = hn::Neg(flip);
+  AddProduct(along, z0, level, rest);
+  AddProduct(n_a, to_x, level, rest);
+  AddProduct(n_b, to_y, level, rest);
+  level = hn::Add(level, hn::ShiftRight<kSubvoxelBits>(rest));  // modulo 2^32, which holds the remainder
+  const auto to_float = [&](Ints i) HWY_ATTR { return hn::ConvertTo(df, i); };
+  const auto slopes = hn::Add(hn::Mul(to_float(n_a), to_float(to_x)), hn::Mul(to_float(n_b), to_float(to_y)));
+  const auto estimate =
+      hn::Mul(hn::Add(to_float(z0), hn::Div(slopes, to_float(along))), hn::Set(df, 1.0F / kLatticeUnit));
+  Ints depth, remainder;
+  Divide(d, level, estimate, along, depth, remainder);
+  const auto low_part = hn::Lt(hn::And(rest, Fill(kLatticeUnit - 1)), Fill(kLatticeUnit / 2));
+  out.along = along;
+  out.level_a = hn::Neg(n_a);
+  out.level_b = hn::Neg(n_b);
+  out.depth = depth;
+  out.remainder = remainder;
+  out.half = hn::ShiftRight<1>(hn::Add(along, hn::IfThenElseZero(low_part, one)));
+}
+
 // Leaves the members of PrepareBlocks open.
 //   seconds   for the scan of a supercover; else null
 template <class Seconds>
@@ -259,7 +292,7 @@ HWY_INLINE void MakeLineScans(const FrameTable& frames, const LineBoxes& boxes, 
   out.height = height;
 
   const FramePick pick(frame);
-  const Ints3 q = pick(frames.q), u0 = pick(frames.u[0]), u1 = pick(frames.u[1]);
+  const Ints3 q = pick(frames.q);
   std::array<std::array<Ints, 2>, kMaxHull> hull;
   if constexpr (kCover) {
     out.second = seconds->maybe();
@@ -292,28 +325,7 @@ HWY_INLINE void MakeLineScans(const FrameTable& frames, const LineBoxes& boxes, 
     out.rim[n] = kCover ? CoverRim(rim, frames.cell.parts) : hn::ShiftRight<1>(hn::Add(rim, one));
   }
 
-  const Ints flip = hn::IfThenElseZero(hn::Lt(FirstNonzero(normal), zero), one);
-  const Ints n_a = DotOf(normal, u0), n_b = DotOf(normal, u1);
-  const Ints z0 = hn::Add(DotOf(pick(frames.r[2]), v[0]), Fill(kLatticeUnit / 2));
-  const Ints to_x = hn::Sub(x[0], from_a), to_y = hn::Sub(y[0], from_b);
-  Ints level = zero, rest = hn::Neg(flip);
-  AddProduct(along, z0, level, rest);
-  AddProduct(n_a, to_x, level, rest);
-  AddProduct(n_b, to_y, level, rest);
-  level = hn::Add(level, hn::ShiftRight<kSubvoxelBits>(rest));  // modulo 2^32, which holds the remainder
-  const auto to_float = [&](Ints i) HWY_ATTR { return hn::ConvertTo(df, i); };
-  const auto slopes = hn::Add(hn::Mul(to_float(n_a), to_float(to_x)), hn::Mul(to_float(n_b), to_float(to_y)));
-  const auto estimate =
-      hn::Mul(hn::Add(to_float(z0), hn::Div(slopes, to_float(along))), hn::Set(df, 1.0F / kLatticeUnit));
-  Ints depth, remainder;
-  Divide(d, level, estimate, along, depth, remainder);
-  const auto low_part = hn::Lt(hn::And(rest, Fill(kLatticeUnit - 1)), Fill(kLatticeUnit / 2));
-  out.along = along;
-  out.level_a = hn::Neg(n_a);
-  out.level_b = hn::Neg(n_b);
-  out.depth = depth;
-  out.remainder = remainder;
-  out.half = hn::ShiftRight<1>(hn::Add(along, hn::IfThenElseZero(low_part, one)));
+  MakeDepths(frames, pick, boxes, out);
 }
 
 // For ScanSingle (core/scan/scan_single-inl.h): the shapes of blocks, and the triangles with lines whose voxels lie

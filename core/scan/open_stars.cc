@@ -213,13 +213,14 @@ class OpenStars {
     const auto place = PlacesOf(candidate);
     const auto first = hn::Sub(hn::BitCast(du, hn::And(candidate, Fill(kNumberMask))),
                                hn::Set(du, static_cast<uint32_t>(rows_.reach_in_row)));
-    const auto byte = hn::ShiftRight<3>(first), bit = hn::And(first, hn::Set(du, 7));
+    // From the lowest row, so that no pointer leaves the set.
+    const auto byte = hn::Add(hn::ShiftRight<3>(first), hn::BitCast(du, Fill(rows_.least_step)));
+    const auto bit = hn::And(first, hn::Set(du, 7));
     auto missing = hn::Zero(du);
     for (size_t row = 0; row < rows_.count; ++row) {
       const Ints wanted = hn::IfThenElse(sides.is_below, hn::TableLookupLanes(planes_.above[row], place),
                                          hn::TableLookupLanes(planes_.below[row], place));
-      const auto at = hn::Add(byte, hn::BitCast(du, Fill(rows_.byte_steps[row])));
-      const auto found = hn::Shr(WordsAt<1>(bytes_, at), bit);
+      const auto found = hn::Shr(WordsAt<1>(bytes_ + (rows_.byte_steps[row] - rows_.least_step), byte), bit);
       missing = hn::Or(missing, hn::AndNot(found, hn::BitCast(du, wanted)));
     }
     const auto complete = hn::And(hn::Or(sides.is_below, sides.is_above), hn::Eq(hn::BitCast(d, missing), hn::Zero(d)));
@@ -284,6 +285,7 @@ NeighborRows::Place NeighborRows::Add(const BitsLayout& layout, const Vec3i& ste
   const auto row =
       static_cast<size_t>(std::find(byte_steps.begin(), byte_steps.begin() + count, bytes) - byte_steps.begin());
   byte_steps[row] = bytes;
+  least_step = std::min(least_step, bytes);
   count = std::max(count, row + 1);
   return {row, static_cast<uint32_t>(step[2] + reach_in_row)};
 }

@@ -30,6 +30,7 @@ struct NeighborRows {
   int32_t reach = 0;                        // the largest |entry| of q
   int32_t reach_in_row = 0;                 // the largest |q[2]|; bit n of a row is the voxel at n - reach_in_row
   std::array<int32_t, kMost> byte_steps{};  // from the voxel's own row
+  int32_t least_step = 0;                   // of these
   Place itself{};
   std::array<Place, kMaxDirections> forward{}, backward{};  // the neighbors along +q and -q, for each frame
 

@@ -1,5 +1,5 @@
-// Triangles of up to 12 to 30 voxels, which depends on the cell, on lattices whose cells need not be boxes, such as BCC
-// and FCC.
+// Triangles of up to about 50 voxels on BCC and FCC, and of another limit on other lattices whose cells need not be
+// boxes.
 //
 // All triangles are scanned along their principal directions C, the q with the largest |n.q| among the neighbors whose
 // cells meet the cell of 0. Such a q has q/2 in the cell, because cell and neighbor meet in a set with the center q/2.

@@ -35,7 +35,7 @@ struct OneTile {
         mesh(MeshOf(triangles)),
         box{tile_min - ReachOf(of), tile_min + Vec3i{kTileSide, kTileSide, kTileSide} + ReachOf(of)},
         layout(tile_min, ReachOf(of) * 2) {
-    FindCandidates(mesh, Iota(triangles.size()), frames, box, layout, StopSignal(), SIZE_MAX, candidates);
+    FindCandidates(mesh, Iota(triangles.size()), frames, {box, layout, StopSignal(), SIZE_MAX}, candidates);
   }
 
   std::set<Pair> AllPairs() const {
