@@ -26,9 +26,9 @@ namespace {
 // One triangle and line at a time: the reference for the lanes below.
 size_t FindScalar(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const std::vector<ScanFrame>& frames,
                   const SearchLimits& limits, Candidates& out) {
-  const auto& [box, layout, stop, enough] = limits;
+  const BitsLayout& layout = limits.layout;
   size_t n = 0;
-  for (; n < triangles.size() && out.size() < enough && !stop.Stopped(); ++n) {
+  for (; n < triangles.size() && out.size() < limits.enough && !limits.stop.Stopped(); ++n) {
     const uint32_t t = triangles[n];
     const auto& [v0, v1, v2] = mesh.triangles[t];
     const OrientedTriangle triangle({mesh.vertices_lat[v0], mesh.vertices_lat[v1], mesh.vertices_lat[v2]});
@@ -42,7 +42,7 @@ size_t FindScalar(const SnappedMesh& mesh, std::span<const uint32_t> triangles, 
       out.Reserve(1);
       out.rim.Add(layout.NumberOf(z));
     };
-    ScanAlongPrincipal(triangle, PrincipalScanFrame(frames, triangle.normal), box, crossed, rim);
+    ScanAlongPrincipal(triangle, PrincipalScanFrame(frames, triangle.normal), limits.box, crossed, rim);
     out.EndRun(triangles.subspan(n, 1));
   }
   return n;
