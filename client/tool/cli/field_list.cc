@@ -17,10 +17,13 @@ WrongWord CheckFieldList(const std::string& text) {
   std::vector<absl::string_view> seen;
   for (const absl::string_view word : absl::StrSplit(text, ',')) {
     const auto has_name = [word](const FieldFacts& facts) { return word == facts.name; };
+    if (word == kNone) return {"\"none\" stands alone, without fields", kNone};
     if (std::none_of(kFields.begin(), kFields.end(), has_name)) {
       return {absl::StrCat("\"", word, "\" is neither none nor a field"), std::string(word)};
     }
-    if (std::find(seen.begin(), seen.end(), word) != seen.end()) return absl::StrCat("\"", word, "\" is given twice");
+    if (std::find(seen.begin(), seen.end(), word) != seen.end()) {
+      return {absl::StrCat("\"", word, "\" is given twice"), std::string(word)};
+    }
     seen.push_back(word);
   }
   return "";

@@ -5,12 +5,12 @@
 #include <string>
 #include <vector>
 
-#include "client/tool/cli/common_options.h"
+#include "deploy/manual/option_row.h"
 #include "latvox/fields.h"
 
 namespace latvox::client {
 
-// Refuses other names, and one that is given twice.
+// Refuses other names, one that is given twice, and none beside a field.
 WrongWord CheckFieldList(const std::string& text);
 
 // Precondition: CheckFieldList accepts the text.

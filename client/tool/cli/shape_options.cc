@@ -32,8 +32,9 @@ std::vector<OptionRow> ShapeRows(ShapeWords& words) {
        .standard = "coordinates"},
       {.names = "--array",
        .target = &words.array,
-       .help = "Fields that files of one array hold, or none; other files hold all. Files of one array are .binvox, "
-               ".nrrd, .mha, .mhd, .nii, .nii.gz, and .npy with --npy dense",
+       .help =
+           absl::StrCat("Fields that files of one array hold, or none; other files hold all. Files of one array are ",
+                        absl::StrJoin(OneArrayExtensions(), " "), "; .npy only with --npy dense"),
        .value = "NAME,...",
        .checks = {{CheckFieldList}},
        .standard = "all"},
@@ -75,7 +76,8 @@ void InterpretShape(const ShapeWords& words, const std::vector<std::string>& out
 void CheckArrayOutput(const std::vector<std::string>& outputs, const OutputOptions& options) {
   const auto is_one_array = [&options](const std::string& path) { return IsOneArray(path, options); };
   if (std::any_of(outputs.begin(), outputs.end(), is_one_array)) return;
-  Refuse("--array: needs an output of one array, such as .nrrd or .nii; for .npy, also --npy dense");
+  Refuse("--array: needs an output of one array: ", absl::StrJoin(OneArrayExtensions(), " "),
+         "; for .npy, also --npy dense");
 }
 
 void CheckArray(const std::vector<Field>& fields, const OutputOptions& options) {

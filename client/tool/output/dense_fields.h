@@ -44,7 +44,8 @@ class DenseFields {
   // DenseBox::SetBox.
   absl::Status Begin(const Accepted& accepted, const std::string& target);
 
-  // The batch may carry more fields. Errors: those of ShapedBox, as soon as the voxels do not fit.
+  // Precondition: the batch carries these fields; it may carry more. Errors: those of ShapedBox, as soon as the voxels
+  // do not fit.
   absl::Status Add(const BrickBatch& batch);
 
   // Call it after the last batch, and then box(), corner() and Arrays().

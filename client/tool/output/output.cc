@@ -265,6 +265,14 @@ std::vector<Field> FieldsIn(const std::string& path, const std::vector<Field>& f
   return options.array && IsOneArray(path, options) ? *options.array : fields;
 }
 
+// Returns how --array makes the file hold some of the fields that it cannot hold together, or "".
+const char* WhatArraySelects(const std::string& path, const std::vector<Field>& fields, const OutputOptions& options) {
+  if (options.array || !IsOneArray(path, options)) return "";
+  const auto fits = [&](Field field) { return CanHold(*FormatOf(path), {field}, options); };
+  const bool any_fits = std::any_of(fields.begin(), fields.end(), fits);
+  return any_fits ? ", and --array selects some for this file" : ", and --array none writes 0 and 1";
+}
+
 }  // namespace
 
 std::string ExtensionOf(const std::string& path) {
@@ -297,9 +305,17 @@ const std::vector<std::string>& ShapedExtensions() {
   return *kExtensions;
 }
 
+const std::vector<std::string>& OneArrayExtensions() {
+  static const auto* const kExtensions = [] {
+    auto* const extensions = new std::vector<std::string>(ShapedExtensions());
+    std::erase_if(*extensions, [](const std::string& each) { return each == ".npz" || each == ".vti"; });
+    return extensions;
+  }();
+  return *kExtensions;
+}
+
 bool IsOneArray(const std::string& path, const OutputOptions& options) {
-  const bool several = HasExtension(path, {".npz", ".vti"}), is_npy = HasExtension(path, {kNpy});
-  return HasExtension(path, ShapedExtensions()) && !several && (options.dense_npy || !is_npy);
+  return HasExtension(path, OneArrayExtensions()) && (options.dense_npy || !HasExtension(path, {kNpy}));
 }
 
 std::string WhyNotHeld(const std::string& path, const std::vector<Field>& fields, const OutputOptions& options) {
@@ -310,9 +326,8 @@ std::string WhyNotHeld(const std::string& path, const std::vector<Field>& fields
   }
   if (HasExtension(path, able)) return "";
   const std::string held = in_file.empty() ? "voxels without links" : JoinNames(in_file);
-  const bool may_select = IsOneArray(path, options) && !options.array;
   return absl::StrCat("cannot hold ", held, "; ", absl::StrJoin(able, " "), " can",
-                      may_select ? ", and --array selects some for this file" : "");
+                      WhatArraySelects(path, fields, options));
 }
 
 std::vector<std::pair<std::string, std::string>> StreamedFormats() {

@@ -64,6 +64,9 @@ const std::vector<std::string>& OutputExtensions();
 // Returns the extensions of the formats that have OutputOptions::shape; a .npy only if it is dense.
 const std::vector<std::string>& ShapedExtensions();
 
+// Returns those of them whose file is one array, not one for each field; a .npy only if it is dense.
+const std::vector<std::string>& OneArrayExtensions();
+
 // Returns the formats that are one file, and so can be sent to standard output: the extension without the dot, and what
 // it is.
 std::vector<std::pair<std::string, std::string>> StreamedFormats();

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "client/tool/cli/field_list.h"
 #include "tests/unit/client/tool/cli/parsed.h"
 
 namespace latvox::client {
@@ -88,15 +89,24 @@ TEST(FileOptions, ArraySelectsTheFieldsOfFilesOfOneArray) {
     Refuses(with({"-o", path, "--array", "normal"}), {"--array: normal is not among --fields"});
   }
   EXPECT_EQ(Refusal(with({"-o", "a.binvox", "--array", "none"})), "accepted");
+  Refuses(with({"-o", "a.binvox"}), {"a.binvox cannot hold distance,part", "and --array none writes 0 and 1"});
+  Refuses({"-o", "a.nii", "--set", "links", "--fields", "links"}, {"a.nii", "and --array none writes 0 and 1"});
   EXPECT_EQ(Refusal(with({"-o", "a.npy", "--npy", "dense", "--array", "part"})), "accepted");
   const VoxelizeOptions options = Parse(with({"-o", "a.nii", "--array", "distance"}));
   EXPECT_THAT(options.output_options.array, testing::Optional(ElementsAre(Field::kDistance)));
   EXPECT_THAT(options.request.fields, ElementsAre(Field::kDistance, Field::kPart));
   Refuses({"-o", "a.nii", "--fields", "part,material,normal", "--array", "part,material"},
           {"--array", "a.nii", "cannot hold part,material", ".nrrd"});
-  Refuses(with({"-o", "a.npy", "--array", "part"}), {"--array", "needs an output of one array", "--npy dense"});
+  Refuses(with({"-o", "a.npy", "--array", "part"}),
+          {"--array", "needs an output of one array: .npy .binvox .nrrd .mha .mhd .nii .nii.gz", "--npy dense"});
   Refuses(with({"-o", "a.nii", "--array", "part,part"}), {"--array", "part", "twice"});
   Refuses(with({"-o", "a.nii", "--array", "weight"}), {"--array", "weight", "neither none nor a field"});
+  for (const char* list : {"part,none", "none,part", "none,none"}) {
+    Refuses(with({"-o", "a.nii", "--array", list}), {"--array", "\"none\" stands alone"});
+  }
+  for (const auto& [list, value] : {std::pair("part,part", "part"), {"part,none", "none"}, {"part,weight", "weight"}}) {
+    EXPECT_EQ(CheckFieldList(list).value, value) << list;
+  }
 }
 
 TEST(FileOptions, ImagesHoldOneFieldAndCellsBoxes) {
