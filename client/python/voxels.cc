@@ -185,10 +185,6 @@ absl::Status Write(const Voxels& voxels, const VoxelizeOptions& options, const C
   return cancellation.cancelled() ? absl::CancelledError("cancelled") : (*output)->Commit();
 }
 
-}  // namespace
-
-namespace {
-
 // Errors: INVALID_ARGUMENT: the voxels carry no such field; the path's format is not one array.
 absl::Status SelectArray(const std::string& array, VoxelizeOptions& options) try {
   if (const WrongWord wrong = CheckFieldList(array); !wrong.text.empty()) Refuse("--array: ", wrong.text);
@@ -208,9 +204,9 @@ void Save(const Voxels& voxels, const std::string& path, bool dense_npy, const s
   options.output_options = voxels.output_options;
   options.output_options.dense_npy = dense_npy;
   options.outputs = {path};
-  if (!array.empty()) Check(SelectArray(array, options));
   options.remote.allow_http = allow_http;
-  Check(NameRemoteOutputs(options.outputs, options.remote));
+  Check(NameRemoteOutputs(options.outputs, options.remote));  // first: the query of a URL hides the extension
+  if (!array.empty()) Check(SelectArray(array, options));
   Run([&](Work& work) {
     absl::Status written = Write(voxels, options, work.cancellation());
     if (Vdb::State() == VdbState::kLoaded) {

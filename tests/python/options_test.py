@@ -153,7 +153,9 @@ def test_array_selects_the_fields_of_files_of_one_array(tool, tmp_path, server):
     assert (tmp_path / "own.nrrd").read_bytes() == path.read_bytes()
     v.save(tmp_path / "saved.nrrd")
     assert (tmp_path / "saved.nrrd").read_bytes() == path.read_bytes()
-    for array in ("part", ["part"]):
+    v.save(tmp_path / "none.npy", npy="dense", array="none")
+    assert np.array_equal(np.load(tmp_path / "none.npy").astype(bool), v.dense().data)
+    for array in ("part", ["part"], np.array(["part"])):  # in place of the call's array
         v.save(tmp_path / "part.npy", npy="dense", array=array)
         assert np.array_equal(np.load(tmp_path / "part.npy"), v.dense("part").data)
     v = server.voxelize(mesh, **labeled)
@@ -163,9 +165,13 @@ def test_array_selects_the_fields_of_files_of_one_array(tool, tmp_path, server):
         ("normal", "a.nrrd", "array: normal is not among fields"),
         ("weight", "a.nrrd", 'array: "weight" is neither none nor a field'),
         ("part", "a.vdb", "array: needs an output of one array"),
+        ("part,none", "a.nrrd", 'array: "none" stands alone'),
     ):
         with pytest.raises(latvox.InvalidArgument, match=text):
             v.save(tmp_path / out, array=array)
+    for empty in ([], "", np.array([])):
+        with pytest.raises(ValueError, match="array: is empty"):
+            v.save(tmp_path / "a.nrrd", array=empty)
 
 
 def test_out_writes_files_and_align_reads_one(tool, tmp_path, server):

@@ -63,6 +63,9 @@ def test_presigned_urls_keep_their_secrets(store, server, tmp_path):
     assert "X-Amz-" not in str(v.report)
     v.save(presign("PUT", store.port, "bucket", "presigned.csv"))
     assert len(store.get("bucket/presigned.csv")) > 100
+    v.save(presign("PUT", store.port, "bucket", "presigned.nrrd"), array="none")
+    v.save(tmp_path / "saved.nrrd", array="none")
+    assert store.get("bucket/presigned.nrrd") == (tmp_path / "saved.nrrd").read_bytes()
     with pytest.raises(latvox.Error) as refused:
         v.save(presign("GET", store.port, "bucket", "mesh 1+.obj"))
     assert "X-Amz-" not in str(refused.value) and SECRET not in str(refused.value)

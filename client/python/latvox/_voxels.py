@@ -197,7 +197,11 @@ class Voxels(Bricks):
         """
         if npy not in ("coordinates", "dense"):
             raise ValueError(f'npy: "{npy}" is not one of coordinates, dense')
-        fields = array if isinstance(array, str) else ",".join(array or ())
+        fields = ""
+        if array is not None:
+            fields = array if isinstance(array, str) else ",".join(array)
+            if not fields:
+                raise ValueError('array: is empty; "none" selects no field')
         self._voxels.save(os.fspath(path), npy == "dense", fields, allow_http)
 
     def _repr_png_(self) -> bytes:
