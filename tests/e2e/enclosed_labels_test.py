@@ -93,11 +93,11 @@ class EnclosedLabels(Case):
         self.assertEqual(labels[2]["leak"]["kind"], "leak")
         self.assertEqual(labels[0]["leak"]["kind"], "enclosed")
 
-    def test_a_point_in_the_box_of_no_label_is_told(self):
-        for point, told in (("-500,9,9", True), ("9,9,9", False)):
+    def test_a_point_in_no_label_s_box_is_told(self):
+        for point, told in (("-500,9,9", True), ("1234567.5,9,9", True), ("9,9,9", False)):
             done = latvox("voxelize", self.mesh, *GRID, *LABELS, f"--leak-from={point}", "-o", self.dir / "a.csv")
             self.assertEqual(done.returncode, 0, done.stderr)
-            self.assertEqual(f"no leak: {point} lies in the box of no label\n" in done.stdout, told, done.stdout)
+            self.assertEqual(f"no leak: {point} lies in no label's box\n" in done.stdout, told, done.stdout)
 
     def test_of_nine_leaks_the_last_is_not_searched(self):
         lines, triangles = [], [t for t in faces() if not set(t) <= {0, 1, 2, 3}]  # open below

@@ -8,6 +8,7 @@
 #include "client/json/json.h"
 #include "client/json/warning_json.h"
 #include "client/tool/cli/exit_status.h"
+#include "client/tool/cli/walk_text.h"
 #include "latvox/error.h"
 
 namespace latvox::client {
@@ -127,50 +128,6 @@ std::string FillText(const Certificate& certificate) {
                                                  : ", with the surface, whose centers may lie outside\n");
   if (solid->unbalanced_lines > 0) {
     absl::StrAppend(&text, "not filled: ", solid->unbalanced_lines, " lattice lines along k that end unbalanced\n");
-  }
-  return text;
-}
-
-// A closed mesh may have openings, too: a bottle's.
-std::string LeakText(const Leak& leak, bool closed, double voxel_size) {
-  const std::string from = absl::StrJoin(leak.from, ",");
-  if (leak.kind == Leak::Kind::kFound && leak.steps == 0) {
-    return absl::StrCat("no leak: lattice point ", from, " lies outside of the mesh's box\n");
-  }
-  switch (leak.kind) {
-    case Leak::Kind::kNone:
-      return absl::StrCat("no leak: lattice point ", from, " is enclosed\n");
-    case Leak::Kind::kInSurface:
-      return absl::StrCat("no leak: lattice point ", from, " lies in the surface, or with --close too near to it\n");
-    case Leak::Kind::kBoxTooLarge:
-      return absl::StrCat("leak: the walk from lattice point ", from, " gets outside; a way is not searched among ",
-                          leak.box_points, " points, ask at a lower resolution\n");
-    case Leak::Kind::kFound:
-      break;
-  }
-  return absl::StrFormat(
-      "leak: the walk from lattice point %s gets outside in %d steps, through an opening around %s\n"
-      "      its middle is %.4g from the mesh; --close %.3g may close it\n%s",
-      from, leak.steps, absl::StrJoin(leak.narrowest_world, ","), leak.room, 2 * leak.room + voxel_size,
-      closed ? "      the mesh is closed, so the point lies outside of it, perhaps in a hollow of its surface\n" : "");
-}
-
-std::string WalkText(const VoxelizeReport& report) {
-  const auto& walk = report.summary.certificate.walk;
-  const double voxel_size = report.accepted.grid.voxel_size;
-  if (!walk) return "";
-  std::string text = Count(walk->cavities, "enclosed part");
-  if (!walk->largest_cavities.empty())
-    absl::StrAppend(&text, ", the largest of ", walk->largest_cavities[0], " points");
-  text += "\n";
-  if (walk->leak) text += LeakText(*walk->leak, report.summary.certificate.closed, voxel_size);
-  for (const LabelWalk& of_label : walk->labels) {
-    if (!of_label.leak) continue;
-    absl::StrAppend(&text, "label ", of_label.label, ": ", LeakText(*of_label.leak, false, voxel_size));
-  }
-  const auto has_leak = [](const LabelWalk& of_label) { return of_label.leak.has_value(); };
-  if (report.leak_from && !walk->leak && std::none_of(walk->labels.begin(), walk->labels.end(), has_leak)) {
-    absl::StrAppend(&text, "no leak: ", absl::StrJoin(*report.leak_from, ","), " lies in the box of no label\n");
   }
   return text;
 }
