@@ -219,7 +219,8 @@ absl::StatusOr<Vec2d> ParseOrigin(absl::string_view text, const Viewport& viewpo
   const auto is_of_x = [](absl::string_view word) { return word == "left" || word == "right"; };
   const auto is_word = [&](absl::string_view word) { return word == "center" || is_of_x(word) || is_of_y(word); };
   if (is_of_y(words[0]) || is_of_x(words[1])) {
-    if (!is_word(words[0]) || !is_word(words[1])) return refusal("has the vertical place first, and a length");
+    if (!is_word(words[0]) || !is_word(words[1]))
+      return refusal("has a length or %, so the horizontal place comes first");
     std::swap(words[0], words[1]);
   }
   Vec2d origin{};

@@ -100,9 +100,9 @@ TEST(SvgStyle, TransformsOfCss) {
               HasSubstr("px, in, cm, mm, Q, pt, pc and % of lengths, and deg, grad, rad and turn of angles"));
   EXPECT_THAT(Error("<g style='transform:none;transform-origin:1em'/>"), HasSubstr("transform-origin \"1em\" is not"));
   for (const char* origin : {"top 4px", "4px left", "bottom 0", "50% right 1px"}) {
-    EXPECT_THAT(
-        Error(absl::StrCat("<g style='transform:none;transform-origin:", origin, "'/>")),
-        HasSubstr(absl::StrCat("transform-origin \"", origin, "\" has the vertical place first, and a length")));
+    EXPECT_THAT(Error(absl::StrCat("<g style='transform:none;transform-origin:", origin, "'/>")),
+                HasSubstr(absl::StrCat("transform-origin \"", origin,
+                                       "\" has a length or %, so the horizontal place comes first")));
   }
   EXPECT_THAT(Error("<g style='transform:scale(2);transform-box:fill-box'/>"), HasSubstr("transform-box \"fill-box\""));
 }
