@@ -1,5 +1,6 @@
 // How much of a long test is run. Under a sanitizer or an emulator, a program takes 5 to 20 times as long, and a part
-// of the cases is enough to find its faults. The plain build runs all cases, and decides whether results are right.
+// of the cases is enough to find its faults. For core's tests, the plain build runs all cases, and decides whether
+// results are right.
 #ifndef LATVOX_TESTS_UNIT_DOSE_H_
 #define LATVOX_TESTS_UNIT_DOSE_H_
 

@@ -6,7 +6,6 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/voxelizer/digest.h"
-#include "tests/unit/dose.h"
 #include "tests/unit/server/calls.h"
 #include "tests/unit/server/error_details.h"
 
@@ -115,7 +114,7 @@ Vec3i TileOf(const v1::BrickBatch& batch, int brick) {
 TEST_F(ResumeTest, TheRestOfAStreamCompletesIt) {
   Start();
   for (const bool verify : {false, true}) {
-    v1::VoxelizeSpec spec = SpecOfKept(Dose(600, 300), SphereBytes());
+    v1::VoxelizeSpec spec = SpecOfKept(300, SphereBytes());
     spec.set_verify(verify);
     const Answer whole = Voxelize(*stub_, spec, SphereBytes());
     ASSERT_TRUE(whole.status.ok()) << whole.status.error_message();
