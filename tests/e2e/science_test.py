@@ -118,6 +118,8 @@ class Science(ArrayCase):
         names = ["fraction", *(f"fraction_{n}" for n in range(len(BODIES)))]
         self.assertLessEqual(set(names), set(arrays))
         self.check_components(arrays, names, "uint16")
+        alone = "--fields", "label_fractions:4", "--array", "label_fractions"
+        self.check_components(self.write(mesh, [*IMAGES[:3], ".vdb"], *solid, *alone), names[1:], "uint16")
 
     def check_components(self, arrays, names, dtype):
         """Components of an element are those of the fields, one after the other."""
