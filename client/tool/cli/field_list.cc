@@ -8,16 +8,16 @@
 namespace latvox::client {
 namespace {
 
-constexpr char kNone[] = "none";
+constexpr char kNoFields[] = "none";
 
 }  // namespace
 
 WrongWord CheckFieldList(const std::string& text) {
-  if (text == kNone) return "";
+  if (text == kNoFields) return "";
   std::vector<absl::string_view> seen;
   for (const absl::string_view word : absl::StrSplit(text, ',')) {
     const auto has_name = [word](const FieldFacts& facts) { return word == facts.name; };
-    if (word == kNone) return {"\"none\" stands alone, without fields", kNone};
+    if (word == kNoFields) return {"\"none\" stands alone, without fields", kNoFields};
     if (std::none_of(kFields.begin(), kFields.end(), has_name)) {
       return {absl::StrCat("\"", word, "\" is neither none nor a field"), std::string(word)};
     }

@@ -285,7 +285,9 @@ TEST(LabeledWalk, ExplainsAtMostEightLeaksWhateverIsClosed) {
   for (const LabelWalkFacts& label : facts.labels) {
     SCOPED_TRACE(label.label);
     ASSERT_EQ(label.leak.has_value(), label.label >= 2);
-    if (label.leak) EXPECT_EQ(label.leak->kind, label.label < 10 ? Leak::kFound : Leak::kNone);
+    if (label.leak) {
+      EXPECT_EQ(label.leak->kind, label.label < 10 ? Leak::kFound : Leak::kNone);
+    }
   }
 }
 
