@@ -280,7 +280,6 @@ template <class Seconds>
 HWY_INLINE void MakeLineScans(const FrameTable& frames, const LineBoxes& boxes, Seconds seconds, LineScanLanes& out) {
   constexpr bool kCover = !std::is_null_pointer_v<Seconds>;
   const Lanes d;
-  const hn::RebindToFloat<Lanes> df;
   const Ints zero = hn::Zero(d), one = Fill(1);
   const auto& [v, normal, along, frame, x, y, a, b, width, height, valid] = boxes;
   out.valid = valid;
