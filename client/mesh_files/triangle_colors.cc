@@ -8,8 +8,8 @@
 namespace latvox::client {
 
 void ColorTriangles(const std::vector<std::optional<Color>>& colors, Mesh& mesh) {
-  constexpr Color kWhite{255, 255, 255};
-  std::vector<std::array<Color, 3>> corners(mesh.triangles.size(), {kWhite, kWhite, kWhite});
+  constexpr Color kBlank{255, 255, 255};
+  std::vector<std::array<Color, 3>> corners(mesh.triangles.size(), {kBlank, kBlank, kBlank});
   size_t white = corners.size();
   for (size_t t = 0; t < corners.size() && t < colors.size(); ++t) {
     if (!colors[t]) continue;
