@@ -31,7 +31,7 @@ void LinkEnds::Find(const TileContext& context, const TileNode& node) {
     if (context.stop.Stopped()) return;
     add(candidates);
     for (size_t run = 0; run < candidates.runs.size() && !context.stop.Stopped(); ++run) {
-      constexpr size_t kFew = 64;  // what their stars add closes later ones
+      constexpr size_t kFew = 64;  // their ends are then in the set, so fewer of the later stars are open
       AppendOpenStars(context.mesh, context.frames, where.layout, rows, voxels_.bits(), candidates, run, pairs_);
       if (pairs_.size() >= kFew) AddStars(context);
     }

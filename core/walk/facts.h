@@ -51,7 +51,7 @@ struct WalkFacts {
   std::vector<LabelWalkFacts> labels;  // of a labeled set, ascending; then the members above are sums over these
 };
 inline constexpr size_t kMostCavities = 16;
-// Labels are looked at in order of priority. After so many that do not enclose the point, no further one has a leak.
+// The search for leaks takes labels in order of priority. It ends after so many that do not enclose the point.
 inline constexpr size_t kMostLeaks = 8;
 
 }  // namespace latvox
