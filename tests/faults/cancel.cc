@@ -16,7 +16,7 @@
 namespace latvox::faults {
 namespace {
 
-struct Options {
+struct CancelOptions {
   std::string server, jobs, job, stage;
   bool deadline = false;
   int times = 5;
@@ -94,7 +94,7 @@ void Rest(grpc::Channel& channel) {
   }
 }
 
-int RunCancel(const Options& options) {
+int RunCancel(const CancelOptions& options) {
   const auto jobs = ReadJobs(options.jobs, {options.job});
   if (!jobs.ok()) {
     std::fprintf(stderr, "latvox_faults: %s\n", std::string{jobs.status().message()}.c_str());
@@ -120,7 +120,7 @@ int RunCancel(const Options& options) {
 }  // namespace
 
 void AddCancel(CLI::App& program, Command& run) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<CancelOptions>();
   CLI::App& command = *program.add_subcommand("cancel", "Cancels calls in a stage; prints the times as JSON lines");
   command.add_option("--server", options->server, "Address")->required();
   command.add_option("--jobs", options->jobs, "Table of jobs, JSON")->required();

@@ -12,7 +12,7 @@
 namespace latvox::faults {
 namespace {
 
-struct Options {
+struct MeshOptions {
   std::string mesh, out;
   int subdivide = 0;
   int bits = 14;
@@ -23,7 +23,7 @@ int Fail(const absl::Status& status) {
   return 2;
 }
 
-int WriteMesh(const Options& options) {
+int WriteMesh(const MeshOptions& options) {
   auto mesh = MeshNamed(options.mesh);
   if (!mesh.ok()) return Fail(mesh.status());
   TriangleMesh fine = Subdivided(*std::move(mesh), options.subdivide);
@@ -39,7 +39,7 @@ int WriteMesh(const Options& options) {
 }  // namespace
 
 void AddMesh(CLI::App& program, Command& run) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<MeshOptions>();
   CLI::App& command = *program.add_subcommand("mesh", "Encodes a mesh, as latvox_bench names it");
   command.add_option("mesh", options->mesh)->required();
   command.add_option("out", options->out)->required();

@@ -22,7 +22,7 @@
 namespace latvox::faults {
 namespace {
 
-struct Options {
+struct MutateOptions {
   std::string server, mesh;
   uint64_t requests = 1000;
   int streams = 32;
@@ -64,7 +64,8 @@ void SendBytes(const std::string& server, const Script& script, Chance& chance, 
 }
 
 // Returns request number n, the same on every thread.
-void SendRequest(const Options& options, const std::string& drc, uint64_t n, grpc::Channel& channel, Tally& tally) {
+void SendRequest(const MutateOptions& options, const std::string& drc, uint64_t n, grpc::Channel& channel,
+                 Tally& tally) {
   Chance chance(options.seed * 1'000'003 + n);
   if (n % kGoodEvery == 0) {
     const Script script = GoodScript(drc, chance);
@@ -87,7 +88,7 @@ void SendRequest(const Options& options, const std::string& drc, uint64_t n, grp
   }
 }
 
-int Mutate(const Options& options) {
+int Mutate(const MutateOptions& options) {
   const auto drc = client::ReadBytes(options.mesh);
   if (!drc.ok()) {
     std::fprintf(stderr, "latvox_faults: %s\n", std::string{drc.status().message()}.c_str());
@@ -112,7 +113,7 @@ int Mutate(const Options& options) {
 }  // namespace
 
 void AddMutate(CLI::App& program, Command& run) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<MutateOptions>();
   CLI::App& command = *program.add_subcommand("mutate", "Sends nearly right requests; prints their outcomes as JSON");
   command.add_option("--server", options->server, "Address")->required();
   command.add_option("--mesh", options->mesh, "A small .drc file")->required();

@@ -26,7 +26,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-struct Options {
+struct OverheadOptions {
   std::string server, mesh;
   uint32_t resolution = 512;
   int separability = 0;
@@ -48,7 +48,7 @@ struct Result {
 };
 
 // Decodes and voxelizes to bricks in memory, as latvox_bench does.
-absl::StatusOr<Result> InProcess(const Options& options) {
+absl::StatusOr<Result> InProcess(const OverheadOptions& options) {
   const Clock::time_point start = Clock::now();
   auto mesh = MeshNamed(options.mesh);
   if (!mesh.ok()) return mesh.status();
@@ -65,8 +65,8 @@ absl::StatusOr<Result> InProcess(const Options& options) {
   return Result{MillisecondsSince(start), (*job)->totals().digest.ToHex()};
 }
 
-absl::StatusOr<Result> ThroughServer(const Options& options, const client::Client& client, const std::string& drc,
-                                     client::ServerTimings& timings) {
+absl::StatusOr<Result> ThroughServer(const OverheadOptions& options, const client::Client& client,
+                                     const std::string& drc, client::ServerTimings& timings) {
   client::VoxelizeRequest request;
   request.resolution = options.resolution;
   request.separability = static_cast<uint32_t>(options.separability);
@@ -82,7 +82,7 @@ absl::StatusOr<Result> ThroughServer(const Options& options, const client::Clien
   return Result{MillisecondsSince(start), summary->certificate.digest};
 }
 
-absl::StatusOr<std::string> MeasureOverhead(const Options& options) {
+absl::StatusOr<std::string> MeasureOverhead(const OverheadOptions& options) {
   const auto drc = client::ReadBytes(options.mesh);
   if (!drc.ok()) return drc.status();
   oneapi::tbb::task_arena arena(oneapi::tbb::info::default_concurrency());
@@ -118,7 +118,7 @@ absl::StatusOr<std::string> MeasureOverhead(const Options& options) {
       .dump();
 }
 
-int RunOverhead(const Options& options) {
+int RunOverhead(const OverheadOptions& options) {
   const auto json = MeasureOverhead(options);
   if (json.ok()) return std::puts(json->c_str()) < 0 ? 1 : 0;
   std::fprintf(stderr, "latvox_faults: %s\n", json.status().ToString().c_str());
@@ -128,7 +128,7 @@ int RunOverhead(const Options& options) {
 }  // namespace
 
 void AddOverhead(CLI::App& program, Command& run) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<OverheadOptions>();
   CLI::App& command = *program.add_subcommand("overhead", "A job through the server and in one process, in turns");
   command.add_option("--server", options->server, "Address")->required();
   command.add_option("--mesh", options->mesh, "A .drc file")->required();

@@ -21,7 +21,7 @@
 namespace latvox::faults {
 namespace {
 
-struct Options {
+struct SwarmOptions {
   std::string jobs, records, server;
   std::vector<std::string> only;
   std::vector<std::string> roles{"good"};
@@ -107,7 +107,7 @@ class Starter {
   int lives_ = 0;
 };
 
-int RunSwarm(const Options& options) {
+int RunSwarm(const SwarmOptions& options) {
   auto jobs = ReadJobs(options.jobs, options.only);
   if (!jobs.ok()) {
     std::fprintf(stderr, "latvox_faults: %s\n", std::string{jobs.status().message()}.c_str());
@@ -134,7 +134,7 @@ int RunSwarm(const Options& options) {
 }  // namespace
 
 void AddSwarm(CLI::App& program, Command& run) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<SwarmOptions>();
   CLI::App& command = *program.add_subcommand("swarm", "Many clients at once");
   command.add_option("--server", options->server, "Address")->required();
   command.add_option("--jobs", options->jobs, "Table of jobs, JSON")->required();
