@@ -52,12 +52,15 @@ class Files(unittest.TestCase):
         self.assertLessEqual(late, names)
         self.assertEqual({name for name in names if GLIBCS.fullmatch(name)}, set(), "glibc's files must be the system's")
 
-    def test_only_the_programs_have_a_path_and_it_holds_for_the_libraries_of_libraries(self):
+    def test_programs_have_a_path_that_holds_for_the_libraries_of_libraries(self):
         (module,) = FOLDER.rglob("latvox-vdb.so")
         private = module.parent.relative_to(FOLDER)
         for path, told in binaries().items():
             paths = re.findall(r"\((RPATH|RUNPATH)\).*\[(.*)\]", told)
-            self.assertEqual(paths, [("RPATH", f"$ORIGIN/../{private}")] if path.parent.name == "bin" else [], path)
+            if path.parent.name == "bin":
+                self.assertEqual(paths, [("RPATH", f"$ORIGIN/../{private}")], path)
+            else:  # Abseil's libraries on Debian 13 look beside themselves, where all libraries are
+                self.assertIn(paths, ([], [("RUNPATH", "$ORIGIN")]), path)
         self.assertEqual({path.parent for path in binaries()}, {FOLDER / "bin", FOLDER / private})
 
     def test_no_file_needs_a_newer_glibc_than_the_readme_says(self):
