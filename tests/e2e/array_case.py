@@ -10,6 +10,7 @@ LATTICES = {
     "stretched": ["--voxel-size", "0.05,0.08,0.11"],
     "bcc": ["--lattice", "bcc", "--resolution", "24"],
     "fcc": ["--lattice", "fcc", "--resolution", "24"],
+    "hexagonal": ["--lattice", "hexagonal", "--resolution", "24"],
     "skewed": ["--basis", "0.1,0,0.01,0.02,0.12,0,0,0.03,0.15", "--origin", "0.5,-3,1"],
 }
 

@@ -97,18 +97,24 @@ class Formats(Case):
             ["--resolution", "20", "--algorithm", "incremental", "--verify"],
             ["--voxel-size", "0.2", "--up-axis", "z", "--scale", "2", "--quantization", "14", "--input-format", "obj"],
             ["--voxel-size", "0.1", "--up-axis", "y", "--scale", "0.3", "--quantization", "0", "--band", "2v"],
+            ["--voxel-size", "0.1", "--set", "solid", "--labels", "part", "--force-open", "--fields", "part,distance"],
+            ["--voxel-size", "0.1", "--set", "enclosed", "--close", "0.3", "--fields", "normal,triangle"],
+            ["--voxel-size", "0.1", "--set", "region", "--seed", "0,0,0", "--allow-outside", "--fields", "point"],
+            ["--voxel-size", "0.1", "--set", "links", "--side", "both", "--fields", "links,link_crossings"],
         )):
             with self.subTest(options):
                 summary = self.voxelize(BUNNY, *options, out=f"{n}.vdb")
-                (grid,), _ = pyopenvdb.readAll(str(self.dir / f"{n}.vdb"))
+                name = "distance" if "--band" in options else "voxels"
+                grid = pyopenvdb.readGridMetadata(str(self.dir / f"{n}.vdb"), name)
                 request = json.loads(grid["latvox_request"])
-                for name in {"--up-axis", "--scale", "--quantization", "--input-format"} & set(options):
-                    self.assertEqual(str(request[name[2:].replace("-", "_")]).removesuffix(".0"), options[options.index(name) + 1])
+                for option in {"--up-axis", "--scale", "--quantization", "--input-format"} & set(options):
+                    told = str(request[option[2:].replace("-", "_")])
+                    self.assertEqual(told.removesuffix(".0"), options[options.index(option) + 1])
                 line = {"mesh": str(BUNNY), "out": f"again{n}.vdb"} | request
                 (self.dir / "jobs.jsonl").write_text(json.dumps(line) + "\n")
                 done = latvox("batch", self.dir / "jobs.jsonl", "--out", self.dir / f"out{n}")
                 self.assertEqual(done.returncode, 0, done.stderr)
-                (again,), _ = pyopenvdb.readAll(str(self.dir / f"out{n}" / f"again{n}.vdb"))
+                again = pyopenvdb.readGridMetadata(str(self.dir / f"out{n}" / f"again{n}.vdb"), name)
                 self.assertEqual(again["latvox_digest"], summary["digest"])
                 self.assertEqual(again["latvox_request"], grid["latvox_request"])
 

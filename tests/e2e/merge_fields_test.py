@@ -13,6 +13,11 @@ KINDS = {
     "fractions of labels": ["--set", "solid", "--labels", "part", "--fields", "part,label_fractions:3"],
     "band": ["--set", "band", "--band", "1"],
     "level set": ["--set", "band", "--band", "1", "--signed"],
+    "supercover": ["--set", "supercover", "--fields", "part,normal", "--lattice", "hexagonal"],
+    "enclosed": ["--set", "enclosed", "--fields", "triangle", "--lattice", "fcc"],
+    "labeled enclosed": ["--set", "enclosed", "--labels", "part", "--fields", "part,distance"],
+    "region": ["--set", "region", "--seed", "0,0,0", "--fields", "distance", "--lattice", "hexagonal"],
+    "links": ["--set", "links", "--fields", "point"],
 }
 
 

@@ -85,7 +85,7 @@ std::optional<IndexBox> RegionOf(const std::optional<oracle::Box>& box) {
 
 class LinksOnLattice : public testing::TestWithParam<ExactLattice> {};
 
-INSTANTIATE_TEST_SUITE_P(Exact, LinksOnLattice, testing::ValuesIn(ExactLattices()),
+INSTANTIATE_TEST_SUITE_P(Exact, LinksOnLattice, testing::ValuesIn(RestoredLattices()),
                          [](const auto& lattice) { return lattice.param.name; });
 
 // The mesh lies across the borders of tiles.
@@ -175,7 +175,8 @@ TEST(Links, AreFieldsOfEverySet) {
     const auto links = LinksOf(Voxelize(mesh, grid, {.separability = 1, .set = Links{}, .fields = kAll}), neighbors);
     for (const SetOption& set : {SetOption{SeparatingSurface{}}, SetOption{SupercoverSurface{}}, SetOption{Solid{}},
                                  SetOption{Band{0.1, true}}, SetOption{Solid{.surface = SolidSurface::kNone}},
-                                 SetOption{Band{2.5, true}}, SetOption{Links{LinkSide::kInside}}}) {
+                                 SetOption{Band{2.5, true}}, SetOption{Links{LinkSide::kInside}}, SetOption{Enclosed{}},
+                                 SetOption{Solid{.surface = SolidSurface::kSupercover}}, SetOption{Connected{}}}) {
       SCOPED_TRACE(set.index());
       const auto found = LinksOf(Voxelize(mesh, grid, {.separability = 1, .set = set, .fields = kAll}), neighbors);
       size_t crossed = 0;

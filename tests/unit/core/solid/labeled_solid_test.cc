@@ -36,7 +36,7 @@ Result Label(const TriangleMesh& mesh, const Lattice& lattice, Solid solid, int 
 
 class LabeledSolidOnLattice : public testing::TestWithParam<ExactLattice> {};
 
-INSTANTIATE_TEST_SUITE_P(Exact, LabeledSolidOnLattice, testing::ValuesIn(ExactLattices()),
+INSTANTIATE_TEST_SUITE_P(Exact, LabeledSolidOnLattice, testing::ValuesIn(RestoredLattices()),
                          [](const auto& lattice) { return lattice.param.name; });
 
 // Voxels of the surface alone have the label that they have in a solid without labels.

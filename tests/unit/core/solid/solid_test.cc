@@ -53,7 +53,7 @@ Result VoxelizeSolid(const TriangleMesh& mesh, const Lattice& lattice, const Sol
 
 class SolidOnLattice : public testing::TestWithParam<ExactLattice> {};
 
-INSTANTIATE_TEST_SUITE_P(Exact, SolidOnLattice, testing::ValuesIn(ExactLattices()),
+INSTANTIATE_TEST_SUITE_P(Exact, SolidOnLattice, testing::ValuesIn(RestoredLattices()),
                          [](const auto& lattice) { return lattice.param.name; });
 
 // With and without tile borders through the middle; on one thread, which digitizes blocks of tiles, and on two.

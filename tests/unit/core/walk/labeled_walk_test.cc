@@ -68,7 +68,7 @@ struct Case {
 
 std::vector<Case> Cases() {
   std::vector<Case> cases;
-  for (const ExactLattice& lattice : ExactLattices()) {
+  for (const ExactLattice& lattice : RestoredLattices()) {
     for (const int64_t k : {0, 1, 2}) cases.push_back({lattice, k});
   }
   return cases;

@@ -60,7 +60,7 @@ struct Case {
 
 std::vector<Case> Cases() {
   std::vector<Case> cases;
-  for (const ExactLattice& lattice : ExactLattices()) {
+  for (const ExactLattice& lattice : RestoredLattices()) {
     for (const int64_t k : {0, 1, 2}) cases.push_back({lattice, k});
   }
   // Their basis vectors along j or along k are no steps.
