@@ -11,6 +11,15 @@ namespace latvox {
 namespace {
 
 template <size_t D>
+const auto& NamedBases() {
+  if constexpr (D == 3) {
+    return kNamedLattices;
+  } else {
+    return kNamedPlaneLattices;
+  }
+}
+
+template <size_t D>
 Mat<double, D> Scale(Mat<double, D> m, double s) {
   for (auto& column : m) column = column * s;
   return m;
@@ -61,6 +70,18 @@ double EdgeOf(const Mat2d& basis) { return std::sqrt(std::abs(Determinant(basis)
 absl::Status DeterminantError() { return absl::InvalidArgumentError("basis: its determinant over- or underflows"); }
 
 template <size_t D>
+absl::StatusOr<Mat<double, D>> InverseOf(const Mat<double, D>& basis) {
+  const Mat<double, D> inverse = Inverse(basis);
+  if (!std::isnormal(Determinant(basis))) return DeterminantError();
+  for (const auto& column : inverse) {
+    for (const double x : column) {
+      if (!std::isfinite(x)) return DeterminantError();
+    }
+  }
+  return inverse;
+}
+
+template <size_t D>
 absl::Status TooSkewError(const Mat<double, D>& basis, const Mat<int32_t, D>& transform) {
   Mat<double, D> reduced;
   for (size_t c = 0; c < D; ++c) reduced[c] = Apply(basis, transform[c]);
@@ -101,36 +122,48 @@ template <size_t D>
 absl::StatusOr<BasicLattice<D>> BasicLattice<D>::Make(std::string_view name, const Mat<double, D>& basis) {
   const auto transform = ReduceBasis<D>(basis);
   if (!transform.ok()) return transform.status();
-  const Mat<double, D> inverse = Inverse(basis);
-  if (!std::isnormal(Determinant(basis))) return DeterminantError();
-  for (const auto& column : inverse) {
-    for (double x : column) {
-      if (!std::isfinite(x)) return DeterminantError();
-    }
-  }
-  BasicLattice lattice(name, basis, inverse);
+  const auto inverse = InverseOf<D>(basis);
+  if (!inverse.ok()) return inverse.status();
+  auto directions = FindDirections(basis, *transform);
+  if (!directions.ok()) return directions.status();
+  return BasicLattice(name, basis, *inverse, std::make_shared<const Directions>(*std::move(directions)));
+}
+
+template <size_t D>
+auto BasicLattice<D>::FindDirections(const Mat<double, D>& basis, const Mat<int32_t, D>& reduction)
+    -> absl::StatusOr<Directions> {
   auto neighbors = FindNeighbors<D>(basis);
   if (!neighbors.ok()) return neighbors.status();
-  lattice.neighbors_ = *std::move(neighbors);
-  for (const auto& neighbor : lattice.neighbors_) {
+  Directions directions{*std::move(neighbors), {}};
+  for (const auto& neighbor : directions.neighbors) {
     if (!FirstNonzeroIsPositive(neighbor.w)) continue;
     const auto frame = MakeFrame(neighbor.w);
-    if (!frame) return TooSkewError<D>(basis, *transform);
-    for (int k = 0; k <= neighbor.face_dimension; ++k) lattice.frames_[static_cast<size_t>(k)].push_back(*frame);
+    if (!frame) return TooSkewError<D>(basis, reduction);
+    for (int k = 0; k <= neighbor.face_dimension; ++k) directions.frames[static_cast<size_t>(k)].push_back(*frame);
   }
-  if (auto status = CheckPairs(lattice.frames_[0]); !status.ok()) return status;
-  return lattice;
+  if (auto status = CheckPairs(directions.frames[0]); !status.ok()) return status;
+  return directions;
 }
 
 template <size_t D>
 BasicLattice<D> BasicLattice<D>::Named(LatticeName<D> lattice) {
-  const NamedBasis<D>& named = NamedBasisOf(lattice);
-  return Make(named.name, Scale<D>(named.basis, 1 / EdgeOf(named.basis))).value();
+  // Never destroyed, because jobs may end after other static objects.
+  static const auto* const all = [] {
+    auto* const made = new std::vector<BasicLattice>;
+    for (const NamedBasis<D>& row : NamedBases<D>()) {
+      made->push_back(Make(row.name, Scale<D>(row.basis, 1 / EdgeOf(row.basis))).value());
+    }
+    return made;
+  }();
+  return (*all)[static_cast<size_t>(lattice)];
 }
 
 template <size_t D>
 absl::StatusOr<BasicLattice<D>> BasicLattice<D>::Scaled(double size) const {
-  return Make(name_, Scale<D>(basis_, size / Size()));
+  const Mat<double, D> basis = Scale<D>(basis_, size / Size());
+  const auto inverse = InverseOf<D>(basis);
+  if (!inverse.ok()) return inverse.status();
+  return BasicLattice(name_, basis, *inverse, directions_);
 }
 
 template class BasicLattice<2>;

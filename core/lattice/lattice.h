@@ -5,8 +5,11 @@
 #ifndef LATVOX_CORE_LATTICE_LATTICE_H_
 #define LATVOX_CORE_LATTICE_LATTICE_H_
 
+#include <array>
+#include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -20,7 +23,7 @@ namespace latvox {
 template <size_t D>
 class BasicLattice {
  public:
-  // The named lattice, scaled so that a cell's volume is 1.
+  // The named lattice, scaled so that a cell's volume is 1. Its directions are found once in a process.
   static BasicLattice Named(LatticeName<D> lattice);
 
   // Returns the lattice with columns V, world units. Errors: INVALID_ARGUMENT if an entry is not finite, if V is
@@ -28,8 +31,9 @@ class BasicLattice {
   // basis that is not too skewed.
   static absl::StatusOr<BasicLattice> FromBasis(const Mat<double, D>& basis);
 
-  // Returns the same lattice, scaled uniformly to this voxel_size or pixel_size. Precondition: the size is finite and >
-  // 0.
+  // Returns the same lattice, scaled uniformly to this voxel_size or pixel_size. Scaling changes no length beside
+  // another one, so both lattices share their directions. Precondition: the size is finite and > 0. Errors:
+  // INVALID_ARGUMENT if the determinant over- or underflows.
   absl::StatusOr<BasicLattice> Scaled(double size) const;
 
   const Mat<double, D>& basis() const { return basis_; }      // V, world units
@@ -46,22 +50,29 @@ class BasicLattice {
   double pixel_size() const requires(D == 2) { return Size(); }
 
   // Every lattice vector with a Voronoi cell that meets the origin's, with the dimension of the shared face.
-  const std::vector<Neighbor<D>>& neighbors() const { return neighbors_; }
+  const std::vector<Neighbor<D>>& neighbors() const { return directions_->neighbors; }
 
   // The frames of the k-neighbors, one for each pair +-q, in lexicographic order of q. The first nonzero entry of q is
   // positive. k in 0 .. D-1.
-  const std::vector<BasicFrame<D>>& frames(int k) const { return frames_[static_cast<size_t>(k)]; }
+  const std::vector<BasicFrame<D>>& frames(int k) const { return directions_->frames[static_cast<size_t>(k)]; }
 
  private:
-  BasicLattice(std::string_view name, const Mat<double, D>& basis, const Mat<double, D>& inverse)
-      : name_(name), basis_(basis), inverse_(inverse) {}
+  // All that the basis decides up to its scale.
+  struct Directions {
+    std::vector<Neighbor<D>> neighbors;
+    std::array<std::vector<BasicFrame<D>>, D> frames;
+  };
+
+  BasicLattice(std::string_view name, const Mat<double, D>& basis, const Mat<double, D>& inverse,
+               std::shared_ptr<const Directions> directions)
+      : name_(name), basis_(basis), inverse_(inverse), directions_(std::move(directions)) {}
   static absl::StatusOr<BasicLattice> Make(std::string_view name, const Mat<double, D>& basis);
+  static absl::StatusOr<Directions> FindDirections(const Mat<double, D>& basis, const Mat<int32_t, D>& reduction);
   double Size() const;
 
   std::string_view name_;
   Mat<double, D> basis_, inverse_;
-  std::vector<Neighbor<D>> neighbors_;
-  std::array<std::vector<BasicFrame<D>>, D> frames_;
+  std::shared_ptr<const Directions> directions_;
 };
 
 using Lattice = BasicLattice<3>;

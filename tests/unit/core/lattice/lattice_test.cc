@@ -284,6 +284,21 @@ TEST(Lattice, CartesianOnesHaveTheSizeThatWasAskedFor) {
   }
 }
 
+TEST(Lattice, ScalingKeepsTheDirectionsAndFindsNoneAnew) {
+  const Lattice lattice = Lattice::FromBasis({{{1, 0, 0}, {0.3, 1.1, 0}, {0.2, 0.4, 0.9}}}).value();
+  for (const double size : {1e-30, 0.37, 1e30}) {
+    const Lattice scaled = lattice.Scaled(size).value();
+    EXPECT_EQ(&scaled.neighbors(), &lattice.neighbors());
+    EXPECT_EQ(Lattice::FromBasis(scaled.basis())->neighbors(), lattice.neighbors()) << size;
+  }
+  EXPECT_EQ(&Lattice::Named(NamedLattice::kBcc).frames(1), &Lattice::Named(NamedLattice::kBcc).frames(1));
+  EXPECT_EQ(&PlaneLattice::Named(NamedPlaneLattice::kSquare).frames(1),
+            &PlaneLattice::Named(NamedPlaneLattice::kSquare).frames(1));
+  for (const double size : {1e-150, 1e150}) {
+    EXPECT_EQ(lattice.Scaled(size).status(), absl::InvalidArgumentError("basis: its determinant over- or underflows"));
+  }
+}
+
 TEST(Lattice, ABasisIsNamedAfterTheLatticeWhoseBasisItIsButForItsScales) {
   const auto name_of = [](const Mat3d& basis) { return std::string(Lattice::FromBasis(basis)->name()); };
   for (const NamedBasis<3>& row : kNamedLattices) {
