@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <numbers>
 #include <type_traits>
 
@@ -112,7 +113,8 @@ struct Needles {
 
 Needles FindNeedles(const TriangleMesh& mesh, const MeshExtent& extent, double size, StopSignal stop) {
   constexpr double kShortest = 2, kMoreVoxels = 3.5;  // the 13 steps of k = 0 meet 4.5 times what the area counts
-  if (extent.longest <= kShortest * size) return {};  // saves a pass over scans
+  // Saves a pass over scans, and over meshes of well-shaped triangles.
+  if (extent.longest <= kShortest * size || extent.thinnest >= size) return {};
   const auto of_triangle = [size](const auto& corners) -> Needles {
     const double length = LongestEdge(corners) / size;
     const double thickness = TwiceAreaOf(corners) / (size * size) / length;
@@ -233,15 +235,19 @@ double VisitsOfFraction(const TriangleMesh& mesh, double found, double voxels, c
 }  // namespace
 
 MeshExtent ExtentOf(const TriangleMesh& mesh, StopSignal stop) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   struct Sizes {
-    double twice_area = 0, longest = 0;
+    double twice_area = 0, longest = 0, thinnest = kInfinity;
   };
-  const auto of_triangle = [](const auto& corners) { return Sizes{TwiceAreaOf(corners), LongestEdge(corners)}; };
+  const auto of_triangle = [](const auto& corners) {
+    const double twice_area = TwiceAreaOf(corners), longest = LongestEdge(corners);
+    return Sizes{twice_area, longest, longest > 0 ? twice_area / longest : kInfinity};
+  };
   const auto join = [](const Sizes& a, const Sizes& b) {
-    return Sizes{a.twice_area + b.twice_area, std::max(a.longest, b.longest)};
+    return Sizes{a.twice_area + b.twice_area, std::max(a.longest, b.longest), std::min(a.thinnest, b.thinnest)};
   };
   const auto sizes = Reduce<Sizes>(mesh, stop, of_triangle, join);
-  return {BoundsOf(mesh, stop), sizes.twice_area / 2, sizes.longest};
+  return {BoundsOf(mesh, stop), sizes.twice_area / 2, sizes.longest, sizes.thinnest};
 }
 
 double EstimateVoxels(const TriangleMesh& mesh, const MeshExtent& extent, const Grid& grid, const VoxelRequest& request,

@@ -13,9 +13,10 @@ namespace latvox {
 
 // The facts about a mesh that all estimates need.
 struct MeshExtent {
-  Bounds bounds;       // of the vertices of triangles
-  double area = 0;     // of all triangles, world units squared
-  double longest = 0;  // edge, world units
+  Bounds bounds;        // of the vertices of triangles
+  double area = 0;      // of all triangles, world units squared
+  double longest = 0;   // edge, world units
+  double thinnest = 0;  // the least height of a triangle over its longest edge, world units; points do not count
 };
 
 // Takes one pass over the vertices, and one or two over the triangles. Precondition: CheckMesh(mesh) is OK.

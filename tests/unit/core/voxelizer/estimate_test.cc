@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
 
 #include "core/voxelizer/voxelizer.h"
@@ -58,6 +59,26 @@ TEST(EstimateVoxels, CountsNeedlesByTheirLength) {
       EXPECT_GT(EstimateVisits(many, ExtentOf(many), grid, {}), 20000 * 30) << thickness;
     }
   }
+}
+
+// A single needle among other triangles counts, and a mesh without any is not looked through.
+TEST(EstimateVoxels, DependOnTheThinnestTriangle) {
+  TriangleMesh mesh{
+      {{40, 0, 0}, {-40, 0, 0}, {0, 40, 0}, {0, -40, 0}, {0, 0, 40}, {0, 0, -40}},
+      {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4}, {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}, {0, 0, 0}}};
+  const Grid grid = Unscaled(Lattice::Named(NamedLattice::kCartesian));
+  const MeshExtent extent = ExtentOf(mesh);
+  MeshExtent unknown = extent;
+  unknown.thinnest = 0;
+  EXPECT_NEAR(extent.thinnest, 40 * std::sqrt(1.5), 1e-5);
+  EXPECT_EQ(EstimateVisits(mesh, extent, grid, {}), EstimateVisits(mesh, unknown, grid, {}));
+  mesh.vertices.insert(mesh.vertices.end(), {{0, 0, 0}, {30, 0, 0}, {30, 0.25F, 0}});
+  const auto last = static_cast<uint32_t>(mesh.vertices.size());
+  mesh.triangles.push_back({last - 3, last - 2, last - 1});
+  EXPECT_NEAR(ExtentOf(mesh).thinnest, 0.25, 0.01);
+  EXPECT_GT(EstimateVisits(mesh, ExtentOf(mesh), grid, {}), EstimateVisits(mesh, extent, grid, {}) + 30);
+  mesh.triangles.push_back({0, 0, 1});
+  EXPECT_EQ(ExtentOf(mesh).thinnest, 0);
 }
 
 TEST(EstimateVoxels, CountsBothEndsOfLinks) {
