@@ -60,13 +60,13 @@ absl::StatusOr<bool> MeshStore::PutIfItHas(const MeshDigest& digest, const absl:
   return Put(digest, mesh);
 }
 
-std::shared_ptr<const DecodedMesh> MeshStore::FindDecoded(const MeshDigest& digest, const FieldList& attributes) {
+std::shared_ptr<const DecodedMesh> MeshStore::FindDecoded(const MeshDigest& digest, const MeshReading& reading) {
   const std::lock_guard lock(mu_);
   const Decoded* const decoded = decoded_.Find(digest);
-  return decoded && decoded->attributes == attributes ? decoded->mesh : nullptr;
+  return decoded && decoded->reading == reading ? decoded->mesh : nullptr;
 }
 
-std::shared_ptr<const DecodedMesh> MeshStore::KeepDecoded(const MeshDigest& digest, const FieldList& attributes,
+std::shared_ptr<const DecodedMesh> MeshStore::KeepDecoded(const MeshDigest& digest, const MeshReading& reading,
                                                           DecodedMesh&& decoded) {
   const TriangleMesh& mesh = decoded.mesh;
   const uint64_t bytes = sizeof(DecodedMesh) + mesh.triangles.size() * sizeof(mesh.triangles[0]) +
@@ -77,7 +77,7 @@ std::shared_ptr<const DecodedMesh> MeshStore::KeepDecoded(const MeshDigest& dige
   const bool fits = keeps_decoded_ && bytes <= capacity_ && encoded_.bytes() <= capacity_ - bytes;
   if (!fits || decoded_.Find(digest)) return nullptr;
   auto kept = std::make_shared<const DecodedMesh>(std::move(decoded));
-  decoded_.Add(digest, {attributes, kept}, bytes);
+  decoded_.Add(digest, {reading, kept}, bytes);
   DropWhatExceeds(dropped);
   return kept;
 }

@@ -19,6 +19,7 @@
 #include "core/base/stop_signal.h"
 #include "core/request/fields.h"
 #include "server/decode/mesh_decoder.h"
+#include "server/decode/raw_mesh.h"
 
 namespace latvox {
 
@@ -35,6 +36,14 @@ inline constexpr uint64_t kLargeMeshBytes = uint64_t{4} << 20;
 
 // Returns the digest in a message's bytes field. INVALID_ARGUMENT unless the field has 32 bytes.
 absl::StatusOr<MeshDigest> MeshDigestFrom(absl::string_view field);
+
+// What decides, besides a mesh's bytes, on the mesh that they decode to.
+struct MeshReading {
+  FieldList attributes = {};
+  std::optional<RawMeshLayout> layout = {};  // of plain arrays, whose bytes do not tell it
+
+  bool operator==(const MeshReading&) const = default;
+};
 
 // Values by digest, in the order of their last use. Not thread-safe.
 template <class Value>
@@ -107,13 +116,13 @@ class MeshStore {
   // CANCELLED soon after `stop` is stopped.
   absl::StatusOr<bool> PutIfItHas(const MeshDigest& digest, const absl::Cord& mesh, StopSignal stop);
 
-  // Returns the decoded mesh with these attributes, if the store keeps it; else nullptr. Counts as a use.
-  std::shared_ptr<const DecodedMesh> FindDecoded(const MeshDigest& digest, const FieldList& attributes);
+  // Returns the mesh that was decoded in this way, if the store keeps it; else nullptr. Counts as a use.
+  std::shared_ptr<const DecodedMesh> FindDecoded(const MeshDigest& digest, const MeshReading& reading);
 
   // Keeps the decoded mesh with its extent, and drops the least recently used decoded ones for it. Returns the kept
   // mesh. Returns nullptr, and leaves the argument as it is, if encoded meshes leave no room, or if the store has it
   // already.
-  std::shared_ptr<const DecodedMesh> KeepDecoded(const MeshDigest& digest, const FieldList& attributes,
+  std::shared_ptr<const DecodedMesh> KeepDecoded(const MeshDigest& digest, const MeshReading& reading,
                                                  DecodedMesh&& decoded);
 
   uint64_t capacity() const { return capacity_; }
@@ -121,7 +130,7 @@ class MeshStore {
 
  private:
   struct Decoded {
-    FieldList attributes;
+    MeshReading reading;
     std::shared_ptr<const DecodedMesh> mesh;
   };
 

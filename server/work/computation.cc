@@ -110,12 +110,13 @@ bool Computation::IsTiny() const {
 }
 
 std::optional<absl::Status> Computation::DecodeAtOnce() {
-  if (spec_.raw_mesh) {
-    decode_began_ = Clock::now();
-    return ReadRaw(*spec_.raw_mesh);
-  }
-  return FindDecoded() ? std::optional(ReserveForJob(kept_->mesh)) : std::nullopt;
+  if (FindDecoded()) return ReserveForJob(kept_->mesh);
+  if (!spec_.raw_mesh) return std::nullopt;
+  decode_began_ = Clock::now();
+  return ReadRaw(*spec_.raw_mesh);
 }
+
+MeshReading Computation::reading() const { return {spec_.request.fields.OfMesh(), spec_.raw_mesh}; }
 
 void Computation::Decode(std::function<void(const absl::Status&)> decoded) {
   decode_began_ = Clock::now();
@@ -130,10 +131,10 @@ void Computation::Decode(std::function<void(const absl::Status&)> decoded) {
   if (stop_.Stopped()) decoding_->Cancel();
 }
 
-// Leaves it to the decoder to refuse a mesh over this caller's limits.
+// A mesh over this caller's limits is decoded again, which refuses it.
 bool Computation::FindDecoded() {
   if (!mesh_comes_again_) return false;
-  kept_ = environment_.meshes.FindDecoded(*spec_.mesh_digest, spec_.request.fields.OfMesh());
+  kept_ = environment_.meshes.FindDecoded(*spec_.mesh_digest, reading());
   const Limits& limits = environment_.limits;
   if (kept_ &&
       (kept_->mesh.triangles.size() > limits.max_triangles || kept_->mesh.vertex_count() > limits.max_vertices)) {
@@ -173,9 +174,8 @@ absl::Status Computation::ReserveForJob(const TriangleMesh& mesh) {
 // Finds the mesh's extent. Lets the store keep a mesh that has come again; most meshes come once.
 void Computation::ShareIfItComesAgain() {
   decoded_.extent = ExtentOf(decoded_.mesh, stop_.Signal());
-  // The digest of raw arrays does not tell their layout.
-  if (!mesh_comes_again_ || spec_.raw_mesh || stop_.Stopped()) return;
-  kept_ = environment_.meshes.KeepDecoded(*spec_.mesh_digest, spec_.request.fields.OfMesh(), std::move(decoded_));
+  if (!mesh_comes_again_ || stop_.Stopped()) return;
+  kept_ = environment_.meshes.KeepDecoded(*spec_.mesh_digest, reading(), std::move(decoded_));
 }
 
 JobEstimate Computation::EstimateJob(const TriangleMesh& mesh, double voxels) const {

@@ -19,6 +19,7 @@
 #include "core/voxelizer/voxelizer.h"
 #include "latvox/v1/voxelizer.pb.h"
 #include "server/decode/mesh_decoder.h"
+#include "server/decode/mesh_store.h"
 #include "server/wire/answers.h"
 #include "server/wire/brick_batch.h"
 #include "server/wire/convert.h"
@@ -102,6 +103,7 @@ class Computation {
   using Clock = std::chrono::steady_clock;
 
   absl::Status CheckCancelled() const;
+  MeshReading reading() const;
   bool FindDecoded();
   absl::Status ReadRaw(const RawMeshLayout& layout);
   absl::Status ReceiveDecoded(absl::StatusOr<DecodedMesh> mesh);

@@ -50,7 +50,7 @@ DecodedMesh Decoded(size_t triangles) {
 }
 
 TEST(MeshStore, KeepsDecodedMeshesInTheRoomThatEncodedOnesLeave) {
-  const FieldList none, part{Field::kPart};
+  const MeshReading none, part{.attributes = {Field::kPart}};
   MeshStore store(3000);
   store.Put(Digest(1), Bytes(40));
   ASSERT_TRUE(store.KeepDecoded(Digest(1), none, Decoded(100)));
@@ -81,6 +81,16 @@ TEST(MeshStore, KeepsDecodedMeshesInTheRoomThatEncodedOnesLeave) {
   EXPECT_EQ(again.mesh.triangles.size(), 100);
   EXPECT_EQ(store.bytes(), 2940);
   EXPECT_EQ(kept->mesh.triangles.size(), 100);
+}
+
+TEST(MeshStore, FindsADecodedMeshOnlyForTheLayoutOfItsBytes) {
+  const RawMeshLayout layout{.vertices = 3, .triangles = 100}, other{.vertices = 103, .triangles = 0};
+  ASSERT_EQ(layout.bytes(), other.bytes());
+  MeshStore store(3000);
+  ASSERT_TRUE(store.KeepDecoded(Digest(1), {.layout = layout}, Decoded(100)));
+  EXPECT_TRUE(store.FindDecoded(Digest(1), {.layout = layout}));
+  EXPECT_FALSE(store.FindDecoded(Digest(1), {.layout = other}));
+  EXPECT_FALSE(store.FindDecoded(Digest(1), {}));
 }
 
 TEST(MeshStore, KeepsNoDecodedMeshIfToldSo) {

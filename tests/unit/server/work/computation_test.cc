@@ -267,6 +267,37 @@ TEST(Computation, DecodesAMeshTwiceAtMost) {
   EXPECT_THAT(digests, ::testing::Each(digests.front()));
 }
 
+TEST(Computation, ReadsPlainArraysTwiceAtMost) {
+  const TriangleMesh sphere = Sphere(20);
+  v1::VoxelizeSpec spec = GoodSpec();
+  v1::RawMesh& raw = *spec.mutable_raw_mesh();
+  raw.set_vertices(sphere.vertices.size());
+  raw.set_triangles(sphere.triangles.size());
+  raw.set_positions(v1::POSITION_TYPE_FLOAT32);
+  std::string bytes(reinterpret_cast<const char*>(sphere.vertices.data()), sphere.vertices.size() * sizeof(Vec3f));
+  bytes.append(reinterpret_cast<const char*>(sphere.triangles.data()),
+               sphere.triangles.size() * sizeof(sphere.triangles[0]));
+  const MeshDigest digest = DigestOf(absl::Cord(bytes));
+  spec.set_mesh_sha256(std::string(digest.begin(), digest.end()));
+  CountingDecoder decoder;
+  TestEnvironment environment(decoder);
+  std::vector<std::string> digests;
+  for (const bool reads : {true, true, false, false}) {  // the second time, it is worth keeping
+    Computation computation(*JobSpecFromProto(spec, {}), "id", environment.shared());
+    const auto deliver = [&](v1::VoxelizeResponse&& message) {
+      if (message.has_summary()) digests.push_back(message.summary().certificate().digest());
+      return true;
+    };
+    ASSERT_TRUE(Decode(computation, bytes).ok());
+    EXPECT_EQ(computation.facts().decode_ms > 0, reads);
+    ASSERT_TRUE(Begin(computation, deliver).ok());
+    ASSERT_TRUE(computation.Advance(deliver, kNever).ok());
+  }
+  EXPECT_EQ(decoder.decodes, 0);
+  EXPECT_EQ(digests.size(), 4);
+  EXPECT_THAT(digests, ::testing::Each(digests.front()));
+}
+
 TEST(Computation, LeavesAKeptMeshOverTheCallersLimitsToTheDecoder) {
   const std::string bytes = EncodeDraco(Sphere(20), {});
   v1::VoxelizeSpec spec = GoodSpec();
