@@ -11,6 +11,7 @@
 #include <variant>
 #include <vector>
 
+#include "absl/synchronization/mutex.h"
 #include "absl/time/clock.h"
 #include "core/base/kept_memory.h"
 #include "core/base/simd.h"
@@ -96,6 +97,8 @@ int Run(const latvox::Configuration& configuration, const latvox::ServiceManager
     Log(LogLevel::kWarning, "unknown_variable", {{"name", name}, {"nearest", nearest}});
   }
   latvox::KeepHeap(latvox::kHeapOfJobs);
+  // Debian's Abseil would look for cycles at each lock of gRPC.
+  absl::SetMutexDeadlockDetectionMode(absl::OnDeadlockCycle::kIgnore);
   RaiseFileLimit(options.exit_with_parent);
   latvox::ConfigurationWatch watch(argc, argv, configuration);
   latvox::ServerOptions watched = options.server;

@@ -100,6 +100,13 @@ bool IsRejection(absl::StatusCode code) {
   }
 }
 
+// The metrics of one method. Family::Add makes an object before it looks for the one that is there.
+struct MethodMetrics {
+  std::map<absl::StatusCode, prometheus::Counter*> requests;
+  prometheus::Counter *received = nullptr, *sent = nullptr;
+  prometheus::Histogram* durations = nullptr;
+};
+
 }  // namespace
 
 struct Metrics::Families {
@@ -122,6 +129,9 @@ struct Metrics::Families {
                 "Time that calls spent in each stage they came to: upload, queue, decode, voxelize "
                 "(without waiting), stream (waiting for the client to take bricks, and then for another "
                 "turn), pixelize.");
+  prometheus::Histogram &upload = Stage("upload"), &queue = Stage("queue"), &decode = Stage("decode"),
+                        &voxelize = Stage("voxelize"), &stream = Stage("stream"), &pixelize = Stage("pixelize");
+  std::map<std::string, MethodMetrics> methods;
 
   Counters& Counter(const std::string& name, const std::string& help) {
     return prometheus::BuildCounter().Name(name).Help(help).Register(registry);
@@ -137,10 +147,14 @@ struct Metrics::Families {
     const google::protobuf::ServiceDescriptor& service = *v1::VoxelizeRequest::descriptor()->file()->service(0);
     for (int n = 0; n < service.method_count(); ++n) {
       const std::string& method = service.method(n)->name();
-      for (const absl::StatusCode code : kCodes) requests.Add(CallLabels(method, code));
-      received.Add({{"method", method}});
-      sent.Add({{"method", method}});
-      durations.Add({{"method", method}}, Buckets());
+      const Labels labels = {{"method", method}};
+      MethodMetrics& of_method = methods[method];
+      for (const absl::StatusCode code : kCodes) {
+        of_method.requests[code] = &requests.Add({{"method", method}, {"code", absl::StatusCodeToString(code)}});
+      }
+      of_method.received = &received.Add(labels);
+      of_method.sent = &sent.Add(labels);
+      of_method.durations = &durations.Add(labels, Buckets());
     }
     for (const absl::string_view reason : kReasons) {
       if (reason != kMeshNotFound) rejections.Add({{"reason", std::string{reason}}});
@@ -148,31 +162,26 @@ struct Metrics::Families {
     for (const absl::StatusCode code : kCodes) {
       if (IsRejection(code)) rejections.Add({{"reason", absl::StatusCodeToString(code)}});
     }
-    for (const char* stage : {"upload", "queue", "decode", "voxelize", "stream", "pixelize"}) {
-      stages.Add({{"stage", stage}}, Buckets());
-    }
   }
 
-  static Metrics::Labels CallLabels(const std::string& method, absl::StatusCode code) {
-    return {{"method", method}, {"code", absl::StatusCodeToString(code)}};
-  }
+  prometheus::Histogram& Stage(const char* name) { return stages.Add({{"stage", name}}, Buckets()); }
 
-  void ObserveStage(const char* stage, double ms) { stages.Add({{"stage", stage}}, Buckets()).Observe(ms / 1e3); }
+  static void Observe(prometheus::Histogram& stage, double ms) { stage.Observe(ms / 1e3); }
 
   static void Record(std::monostate /*nothing*/) {}
 
   void Record(const ComputationFacts& facts) {
     triangles.Increment(static_cast<double>(facts.triangles));
     voxels.Increment(static_cast<double>(facts.voxels));
-    if (facts.decode_ms > 0) ObserveStage("decode", facts.decode_ms);
+    if (facts.decode_ms > 0) Observe(decode, facts.decode_ms);
     if (facts.voxelize_ms <= 0) return;
-    ObserveStage("voxelize", facts.voxelize_ms);
-    ObserveStage("stream", facts.stream_ms);
+    Observe(voxelize, facts.voxelize_ms);
+    Observe(stream, facts.stream_ms);
   }
 
   void Record(const PixelizationFacts& facts) {
     pixels.Increment(static_cast<double>(facts.pixels));
-    if (facts.pixelize_ms > 0) ObserveStage("pixelize", facts.pixelize_ms);
+    if (facts.pixelize_ms > 0) Observe(pixelize, facts.pixelize_ms);
   }
 };
 
@@ -191,15 +200,15 @@ Metrics::Metrics() : families_(std::make_unique<Families>()) {
 Metrics::~Metrics() = default;
 
 void Metrics::Record(const RequestRecord& record) {
-  const std::string& method = record.origin.method;
   const absl::StatusCode code = CodeOnWire(record.status);
-  families_->requests.Add(Families::CallLabels(method, code)).Increment();
+  const MethodMetrics& of_method = families_->methods.at(record.origin.method);
+  of_method.requests.at(code)->Increment();
   if (IsRejection(code)) families_->rejections.Add({{"reason", ReasonOf(record.status)}}).Increment();
-  families_->received.Add({{"method", method}}).Increment(static_cast<double>(record.bytes_in));
-  families_->sent.Add({{"method", method}}).Increment(static_cast<double>(record.bytes_out));
-  if (record.status.ok()) families_->durations.Add({{"method", method}}, Buckets()).Observe(record.total_ms / 1e3);
-  if (record.upload_ms) families_->ObserveStage("upload", *record.upload_ms);
-  if (record.queue_ms) families_->ObserveStage("queue", *record.queue_ms);
+  of_method.received->Increment(static_cast<double>(record.bytes_in));
+  of_method.sent->Increment(static_cast<double>(record.bytes_out));
+  if (record.status.ok()) of_method.durations->Observe(record.total_ms / 1e3);
+  if (record.upload_ms) Families::Observe(families_->upload, *record.upload_ms);
+  if (record.queue_ms) Families::Observe(families_->queue, *record.queue_ms);
   std::visit([&](const auto& facts) { families_->Record(facts); }, record.work);
 }
 
