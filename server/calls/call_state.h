@@ -3,12 +3,14 @@
 #define LATVOX_SERVER_CALLS_CALL_STATE_H_
 
 #include <grpcpp/server_context.h>
+#include <grpcpp/support/server_callback.h>
 #include <grpcpp/support/status.h>
 
 #include <chrono>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <type_traits>
 #include <utility>
 
 #include "absl/status/status.h"
@@ -124,6 +126,10 @@ class CallReactor : public Reactor, public Base {
 
   void OnCancel() final { this->End(CancellationOf(this->context_)); }
   void OnDone() final { this->Done(); }
+
+  // gRPC calls OnDone and OnCancel of a stream on another thread, lest they take long. For an answer of one message, it
+  // asks this function whether that is necessary. It is not, and it would take a tenth of the time of a small request.
+  bool InternalInlineable() final { return std::is_same_v<Reactor, grpc::ServerUnaryReactor>; }
 
  protected:
   using Base::Base;

@@ -70,28 +70,26 @@ absl::Status VoxelCall::CheckUpload() const {
   return may_be_kept_ && upload_->size() == 0 ? absl::OkStatus() : upload_->CheckComplete();
 }
 
-void VoxelCall::Work() {
-  here_ = false;
-  BeginWork();
-}
+void VoxelCall::Work() { BeginWork(/*here=*/false); }
 
 void VoxelCall::WorkHere() {
   const ComputingHere computing;
-  here_ = computing.is_alone() && upload_ && upload_->size() <= kTinyMeshBytes;
-  here_ ? RunAlone([this] { BeginWork(); }) : BeginWork();
+  BeginWork(computing.is_alone());
 }
 
-void VoxelCall::BeginWork() {
+void VoxelCall::BeginWork(bool here) {
   {
     const std::lock_guard lock(mu_);
     if (ended_) return;
     if (!queue_ms_) queue_ms_ = MillisecondsSince(ready());
     working_ = true;
   }
+  alone_ = upload_ && upload_->size() <= kTinyMeshBytes;
   if (!upload_) return Enqueue();
-  if (here_) return HandleMesh(environment_.quick);
   WorkQueue& digesting = upload_->size() > kLargeMeshBytes ? *Bulk() : environment_.quick;
-  digesting.Enqueue([self = ShareOf(*this), &digesting] { self->HandleMesh(digesting); });
+  const auto handle = [self = ShareOf(*this), &digesting] { self->HandleMesh(digesting); };
+  if (!alone_) return digesting.Enqueue(handle);
+  here ? RunAlone(handle) : digesting.Enqueue([handle] { RunAlone(handle); });
 }
 
 void VoxelCall::HandleMesh(const WorkQueue& digesting) {
@@ -105,15 +103,15 @@ void VoxelCall::HandleMesh(const WorkQueue& digesting) {
   }
   if (!decode) return ProceedFrom(digesting);
   const uint64_t bytes = computation_->mesh_bytes();  // the mesh may be a stored one
-  if (!here_ || bytes <= kTinyMeshBytes) return Decode();
-  here_ = false;
+  if (!alone_ || bytes <= kTinyMeshBytes) return Decode();
+  alone_ = false;
   WorkQueue& decoding = bytes > kLargeMeshBytes ? *Bulk() : environment_.quick;
   decoding.Enqueue([self = ShareOf(*this)] { self->Decode(); });
 }
 
 void VoxelCall::Decode() {
   if (const auto decoded = computation_->DecodeAtOnce()) return OnDecoded(*decoded);
-  here_ = false;
+  alone_ = false;
   computation_->Decode([self = ShareOf(*this)](const absl::Status& decoded) { self->OnDecoded(decoded); });
 }
 
@@ -132,14 +130,14 @@ WorkQueue& VoxelCall::QueueOfJob() { return computation_->IsLarge() ? *Bulk() : 
 
 void VoxelCall::Enqueue() {
   WorkQueue& queue = QueueOfJob();
-  if (here_ && computation_->IsTiny()) return Compute(queue);
-  here_ = false;
+  if (alone_ && computation_->IsTiny()) return Compute(queue);
+  if (std::exchange(alone_, false)) Proceed();
   queue.Enqueue([self = ShareOf(*this), &queue] { self->Compute(queue); });
 }
 
 // Whether the next step follows at once on this thread.
 bool VoxelCall::GoesOn(const WorkQueue& queue) {
-  if (here_) return computation_->IsTiny();
+  if (alone_) return computation_->IsTiny();
   return &QueueOfJob() == &queue && !queue.contended();
 }
 
@@ -173,7 +171,7 @@ absl::StatusOr<bool> VoxelCall::ComputeSome(const WorkQueue& queue) {
   if (!std::exchange(measured_, true)) {
     const bool was_large = computation_->IsLarge();
     if (absl::Status status = computation_->Measure(); !status.ok()) return status;
-    const bool leaves = here_ && !computation_->IsTiny();
+    const bool leaves = alone_ && !computation_->IsTiny();
     if (leaves || computation_->IsLarge() != was_large) return false;  // it goes on elsewhere
   }
   const auto deliver = [&](v1::VoxelizeResponse&& response) { return Deliver(std::move(response), queue); };
@@ -181,7 +179,7 @@ absl::StatusOr<bool> VoxelCall::ComputeSome(const WorkQueue& queue) {
     absl::Status status = computation_->Start(deliver);
     return status.ok() ? absl::StatusOr<bool>(false) : status;
   }
-  return computation_->Advance(deliver, [&] { return here_ || queue.contended(); });
+  return computation_->Advance(deliver, [&] { return alone_ || queue.contended(); });
 }
 
 bool VoxelCall::Deliver(v1::VoxelizeResponse&& response, const WorkQueue& queue) {
@@ -195,7 +193,7 @@ bool VoxelCall::Deliver(v1::VoxelizeResponse&& response, const WorkQueue& queue)
     outbox_.push_back(std::move(response));
     more = status_.ok() && unwritten_bytes_ < kCredit;
   }
-  ProceedFrom(queue);
+  if (!alone_) ProceedFrom(queue);
   return more;
 }
 
@@ -281,6 +279,7 @@ VoxelCall::Step VoxelCall::NextStep() {
     finishing_ = ended_ && outbox_.empty();
     if (finishing_) bytes_out_ += writing_bytes_;
     step.send = finishing_ ? Send::kLastMessageAndStatus : Send::kMessage;
+    step.more = !outbox_.empty() && (ended_ || !outbox_.front().has_summary());
   }
   if (paused_ && unwritten_bytes_ <= kCredit / 2) {
     paused_ = false;
@@ -300,7 +299,7 @@ void VoxelCall::Proceed() {
     case Send::kNothing:
       break;
     case Send::kMessage:
-      Write(writing_message_);
+      Write(writing_message_, step.more);
       break;
     case Send::kLastMessageAndStatus:
       WriteLast(writing_message_);

@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
@@ -28,8 +29,9 @@ namespace latvox {
 //   ended      a status is decided; Finish follows once no decode, task or write is under way
 //
 // Callbacks do not wait. They compute only tiny jobs: by the estimate, of some tenths of a millisecond. The way to
-// other threads and back costs a tenth of these. One write at most is under way. A decode holds a share of the object,
-// as a task does.
+// other threads and back costs a tenth of these. So one thread computes all of a tiny job, be it a callback's or the
+// queue's, and its messages leave at the end. One write at most is under way. A decode holds a share of the object, as
+// a task does.
 class VoxelCall : public MeshCall {
  public:
   // Bytes of finished messages that may wait for their write. gRPC and the kernel hold some 4 MiB more for a slow
@@ -46,8 +48,8 @@ class VoxelCall : public MeshCall {
 
   // The parts that each kind of call adds.
 
-  // Starts to write. Written follows, possibly at once.
-  virtual void Write(v1::VoxelizeResponse& message) = 0;
+  // Starts to write. Written follows, possibly at once. `more`: another message follows as soon as this is written.
+  virtual void Write(v1::VoxelizeResponse& message, bool more) = 0;
   // Writes, and finishes the call with OK.
   virtual void WriteLast(v1::VoxelizeResponse& message) = 0;
   // Returns an error if the answer may not have so many bytes, in all messages so far. Called under mu_.
@@ -71,12 +73,13 @@ class VoxelCall : public MeshCall {
   // The actions of NextStep's caller after it has released mu_.
   struct Step {
     Send send = Send::kNothing;
+    bool more = false;  // another message follows a kMessage
     bool pause = false, await_turn = false;
   };
 
   WorkQueue& QueueOfJob();
   bool GoesOn(const WorkQueue& queue);
-  void BeginWork();
+  void BeginWork(bool here);
   void HandleMesh(const WorkQueue& digesting);
   void Decode();
   void OnDecoded(const absl::Status& status);
@@ -93,7 +96,8 @@ class VoxelCall : public MeshCall {
   std::optional<RawMeshCheck> raw_mesh_;  // of the pieces, if they are plain arrays
   bool may_be_kept_ = false;              // a mesh that may be stored: it need not be sent
   v1::VoxelizeResponse writing_message_;  // the write under way; no thread touches it meanwhile
-  bool here_ = false;                     // the thread that called WorkHere still computes; of the tasks
+  // One thread computes all, and sends the messages at the end, as long as the job seems tiny. Of the tasks.
+  bool alone_ = false;
 
   // All below is guarded by mu_. computation_ is set once, and has its own rules for threads.
   std::unique_ptr<Computation> computation_;
@@ -115,10 +119,17 @@ class StreamedAnswer : public Reactor {
   void OnWriteDone(bool ok) final { this->Written(ok); }
 
  private:
-  void Write(v1::VoxelizeResponse& message) final { this->StartWrite(&message); }
+  // With the hint, gRPC sends a small message together with the next one. The first message would wait for ever,
+  // because its write is over once the initial metadata are sent, which the hint delays as well.
+  void Write(v1::VoxelizeResponse& message, bool more) final {
+    const bool waits = std::exchange(has_begun_, true) && more;
+    this->StartWrite(&message, waits ? grpc::WriteOptions().set_buffer_hint() : grpc::WriteOptions());
+  }
   void WriteLast(v1::VoxelizeResponse& message) final {
     this->StartWriteAndFinish(&message, grpc::WriteOptions(), grpc::Status::OK);
   }
+
+  bool has_begun_ = false;  // one write at a time uses it
 
  protected:
   using Reactor::Reactor;

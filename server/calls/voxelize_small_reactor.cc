@@ -35,7 +35,7 @@ void VoxelizeSmallReactor::Start() {
 }
 
 // The fields of a response have the same numbers as those of one of its messages. So it has the bytes of all together.
-void VoxelizeSmallReactor::Write(v1::VoxelizeResponse& message) {
+void VoxelizeSmallReactor::Write(v1::VoxelizeResponse& message, bool /*more*/) {
   if (message.has_accepted()) *response_.mutable_accepted() = std::move(*message.mutable_accepted());
   if (message.has_bricks()) *response_.add_bricks() = std::move(*message.mutable_bricks());
   if (message.has_summary()) *response_.mutable_summary() = std::move(*message.mutable_summary());

@@ -23,7 +23,7 @@ class VoxelizeSmallReactor final : public CallReactor<grpc::ServerUnaryReactor, 
  private:
   absl::Status Check() const override;
   void Start() override;
-  void Write(v1::VoxelizeResponse& message) override;
+  void Write(v1::VoxelizeResponse& message, bool more) override;
   void WriteLast(v1::VoxelizeResponse& message) override;
   absl::Status AdmitAnswer(uint64_t bytes) override;
   void Describe(RequestRecord& record) const override;
