@@ -57,6 +57,7 @@ latvox_add_test(server_tiny_job_test SOURCES unit/server/calls/tiny_job_test.cc
 latvox_add_test(server_turns_test SOURCES unit/server/calls/turns_test.cc
                 LIBRARIES latvox::server latvox_server_meshes GTest::gmock)
 latvox_add_test(server_request_log_test SOURCES unit/server/calls/request_log_test.cc LIBRARIES latvox::server GTest::gmock)
+latvox_add_test(server_log_test SOURCES unit/server/base/log_test.cc LIBRARIES latvox::server)
 latvox_add_test(server_work_queue_test SOURCES unit/server/work/work_queue_test.cc LIBRARIES latvox::server TBB::tbb)
 latvox_add_test(server_work_lanes_test SOURCES unit/server/work/work_lanes_test.cc LIBRARIES latvox::server TBB::tbb)
 latvox_add_test(server_metrics_test SOURCES unit/server/calls/metrics_test.cc LIBRARIES latvox::server GTest::gmock)
