@@ -23,7 +23,8 @@ bool WantsTls(const Credentials& credentials) {
          !credentials.tls_key_file.empty();
 }
 
-absl::StatusOr<std::string> ReadFile(const std::string& path, absl::string_view what) {
+// gRPC says only much later, and in other words, that it found nothing of its `kind` in a file.
+absl::StatusOr<std::string> ReadPem(const std::string& path, absl::string_view what, absl::string_view kind) {
   errno = 0;
   std::ifstream file(path, std::ios::binary);
   std::ostringstream text;
@@ -32,8 +33,9 @@ absl::StatusOr<std::string> ReadFile(const std::string& path, absl::string_view 
     return absl::InvalidArgumentError(
         absl::StrCat("cannot read the ", what, " \"", path, "\": ", std::strerror(errno)));
   }
-  if (!absl::StrContains(text.str(), "-----BEGIN ")) {
-    return absl::InvalidArgumentError(absl::StrCat("the ", what, " \"", path, "\" is not in PEM form"));
+  if (!absl::StrContains(text.str(), "-----BEGIN ") || !absl::StrContains(text.str(), absl::StrCat(kind, "-----"))) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("the ", what, " \"", path, "\": the file has no ", kind, " in PEM form"));
   }
   return text.str();
 }
@@ -43,12 +45,12 @@ absl::StatusOr<std::shared_ptr<grpc::ChannelCredentials>> MakeTlsCredentials(con
     return absl::InvalidArgumentError("a client's certificate and its key go together; one of them is missing");
   }
   grpc::SslCredentialsOptions options;
-  for (const auto& [path, what, text] :
-       {std::tuple(&credentials.tls_ca_file, "root certificates", &options.pem_root_certs),
-        std::tuple(&credentials.tls_cert_file, "certificate", &options.pem_cert_chain),
-        std::tuple(&credentials.tls_key_file, "key", &options.pem_private_key)}) {
+  for (const auto& [path, what, kind, text] :
+       {std::tuple(&credentials.tls_ca_file, "root certificates", "CERTIFICATE", &options.pem_root_certs),
+        std::tuple(&credentials.tls_cert_file, "certificate", "CERTIFICATE", &options.pem_cert_chain),
+        std::tuple(&credentials.tls_key_file, "key", "PRIVATE KEY", &options.pem_private_key)}) {
     if (path->empty()) continue;
-    auto read = ReadFile(*path, what);
+    auto read = ReadPem(*path, what, kind);
     if (!read.ok()) return read.status();
     *text = *std::move(read);
   }

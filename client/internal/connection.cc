@@ -4,10 +4,9 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
-#include "absl/strings/str_replace.h"
-#include "absl/strings/str_split.h"
 #include "client/internal/attempt.h"
 #include "client/internal/channel.h"
+#include "client/internal/grpc_message.h"
 
 namespace latvox::client {
 namespace {
@@ -31,11 +30,7 @@ std::string WhyOutOfReach(v1::Voxelizer::Stub& stub) {
   const grpc::Status status = stub.GetLimits(&context, {}, &limits);
   const bool answered = status.error_code() != grpc::StatusCode::UNAVAILABLE &&
                         status.error_code() != grpc::StatusCode::DEADLINE_EXCEEDED;
-  if (answered) return "";
-  // For several addresses, it names the last one.
-  const std::pair<std::string, std::string> parts =
-      absl::StrSplit(status.error_message(), absl::MaxSplits("last error: ", 1));
-  return absl::StrReplaceAll(parts.second.empty() ? parts.first : parts.second, {{"\n", " "}});
+  return answered ? "" : ConnectionReason(status.error_message());
 }
 
 }  // namespace

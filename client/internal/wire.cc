@@ -3,7 +3,7 @@
 #include <array>
 #include <variant>
 
-#include "client/internal/printable.h"
+#include "client/internal/grpc_message.h"
 #include "latvox/error.h"
 
 namespace latvox::client {
@@ -323,7 +323,7 @@ Limits FromProto(const v1::GetLimitsResponse& limits) {
 
 absl::Status FromGrpc(const grpc::Status& status) {
   // Both enumerations are the canonical codes, with the same numbers.
-  absl::Status out(static_cast<absl::StatusCode>(status.error_code()), Printable(status.error_message()));
+  absl::Status out(static_cast<absl::StatusCode>(status.error_code()), MessageOf(status));
   AttachWireDetails(status.error_details(), out);
   return out;
 }

@@ -69,7 +69,7 @@ absl::StatusOr<std::string> Session::Address(const CallOptions& options) const {
   if (!choice_.address.empty()) return choice_.address;
   const absl::Status status = server_ ? server_->AwaitReady(options) : started_;
   if (absl::IsUnavailable(status)) {
-    return absl::UnavailableError(absl::StrCat(status.message(), "; or give --server ADDRESS"));
+    return absl::UnavailableError(absl::StrCat(status.message(), "; --server ADDRESS names one that runs"));
   }
   if (!status.ok()) return status;
   return server_->address();

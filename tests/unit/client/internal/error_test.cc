@@ -3,12 +3,15 @@
 
 #include <gmock/gmock.h>
 
+#include <fstream>
 #include <string>
 
+#include "client/internal/grpc_message.h"
 #include "client/internal/printable.h"
 #include "google/rpc/error_details.pb.h"
 #include "google/rpc/status.pb.h"
 #include "latvox/client.h"
+#include "tests/unit/temporary_directory.h"
 
 namespace latvox::client {
 namespace {
@@ -51,6 +54,37 @@ TEST(ErrorDetails, OfOkAreNotKept) {
   absl::Status status;
   SetErrorDetails({"R", "f", "v", "l", std::nullopt}, status);
   EXPECT_EQ(GetErrorDetails(status).reason, "");
+}
+
+TEST(GrpcMessage, IsNeverEmptyAndLacksTheCodesOfGrpc) {
+  EXPECT_THAT(MessageOf({grpc::StatusCode::UNIMPLEMENTED, ""}), HasSubstr("does not offer this call (UNIMPLEMENTED)"));
+  EXPECT_EQ(MessageOf({grpc::StatusCode::INTERNAL, ""}), "the server gave no reason (INTERNAL)");
+  EXPECT_EQ(MessageOf({grpc::StatusCode::INTERNAL, "UNKNOWN: a\n"}), "UNKNOWN: a\\n");
+  const std::string refused = "UNKNOWN: ipv4:127.0.0.1:1: Failed to connect to remote host: Connection refused";
+  EXPECT_EQ(ConnectionReason(refused), "ipv4:127.0.0.1:1: Connection refused");
+  EXPECT_EQ(ConnectionReason("UNAVAILABLE: a\nb"), "a b");
+  EXPECT_EQ(ConnectionReason("DNS resolution failed for a:1: C-ares status is not ARES_SUCCESS: Domain name not found"),
+            "Domain name not found");
+  EXPECT_EQ(MessageOf({grpc::StatusCode::UNAVAILABLE, "connections to all backends failing; last error: " + refused}),
+            "no server can be reached (ipv4:127.0.0.1:1: Connection refused)");
+}
+
+TEST(Connect, RefusesAFileWithoutTheCertificateOrKeyThatItIsFor) {
+  const TemporaryDirectory directory;
+  std::ofstream(directory / "key.pem") << "-----BEGIN PRIVATE KEY-----\n-----END PRIVATE KEY-----\n";
+  std::ofstream(directory / "roots.pem") << "-----BEGIN CERTIFICATE-----\n-----END CERTIFICATE-----\n";
+  std::ofstream(directory / "text.pem") << "CERTIFICATE-----\n";
+  const auto refusal = [&directory](const char* roots, const char* certificate, const char* key) {
+    ConnectionOptions options;
+    options.credentials.tls_ca_file = directory / roots;
+    options.credentials.tls_cert_file = directory / certificate;
+    options.credentials.tls_key_file = directory / key;
+    return std::string(Client::Connect("127.0.0.1:1", {}, options).status().message());
+  };
+  EXPECT_THAT(refusal("key.pem", "roots.pem", "key.pem"),
+              HasSubstr("key.pem\": the file has no CERTIFICATE in PEM form"));
+  EXPECT_THAT(refusal("text.pem", "roots.pem", "key.pem"), HasSubstr("text.pem\": the file has no CERTIFICATE"));
+  EXPECT_THAT(refusal("roots.pem", "roots.pem", "roots.pem"), HasSubstr("roots.pem\": the file has no PRIVATE KEY"));
 }
 
 TEST(Connect, RefusesInPrintableWords) {
