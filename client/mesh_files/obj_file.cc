@@ -177,9 +177,10 @@ class Faces {
   }
 
   void WarnOfTexture(const std::string& material) {
-    mesh_.warnings.push_back({"IGNORED_TEXTURE",
-                              absl::StrCat("material \"", material, "\" has a texture, which is not read"),
-                              absl::StrCat("material ", material)});
+    mesh_.warnings.push_back(
+        {"IGNORED_TEXTURE",
+         absl::StrCat("material \"", material, "\" has a texture, which is not read: nobody asked for colors"),
+         absl::StrCat("material ", material)});
   }
 
   // `kind` is the first letter of the keyword.

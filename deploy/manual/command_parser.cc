@@ -24,6 +24,7 @@ using Words = std::vector<std::string>;
 constexpr char kHelpNames[] = "-h,--help", kHelp[] = "Print this help and exit";
 
 std::string AllNames(const OptionRow& row) {
+  if (row.names[0] != '-' && !row.value.empty()) return row.value;  // errors name an argument as help does
   return absl::StrCat(row.names, row.aliases.empty() ? "" : ",", row.aliases);
 }
 
@@ -74,10 +75,6 @@ CLI::Validator Checked(const OptionCheck& check) {
   return CLI::Validator([wrong = check.wrong](const std::string& word) { return wrong(word).text; }, "");
 }
 
-CLI::Validator OneOf(const Words& words) {
-  return CLI::Validator([words](std::string& word) { return ToListed(words, word); }, "");
-}
-
 // Replaces "1GiB" with its number of bytes.
 CLI::Validator Size(uint64_t most) {
   const auto convert = [most, in_bytes = CLI::AsSizeValue(false)](std::string& word) -> std::string {
@@ -100,7 +97,8 @@ CLI::Option* AddRow(CLI::App& app, const OptionRow& row) {
   CLI::Option* option = std::visit(Adder{app, row}, row.target);
   if (row.required) option->required();
   if (row.delimiter != 0) option->delimiter(row.delimiter);
-  if (!row.words.empty()) option->transform(OneOf(row.words));
+  const auto to_listed = [words = row.words](std::string& word) { return ToListed(words, word); };
+  if (!row.words.empty()) option->transform(CLI::Validator(to_listed, ""));
   // Transforms run in the reverse order of their addition.
   const uint64_t most = MostOf(row);
   if (row.is_size) option->transform(Size(most));
@@ -346,6 +344,7 @@ std::string CommandParser::Parse(std::vector<std::string> words) try {
   throw;
 } catch (const CLI::ParseError& error) {
   RefuseUnknownWord();
+  if (error.get_name() == "FileError") ReadSettings(file(), {});  // throws the reason, which the library does not know
   throw UsageError(WithPlace(error.what()), DetailsOf(error.what()));
 }
 

@@ -6,7 +6,7 @@ import shutil
 import subprocess
 import unittest
 
-from harness import BIN, BUNNY, PATIENCE, Case, latvox, octahedron, write_obj
+from harness import BIN, BUNNY, PATIENCE, Case, await_log, latvox, octahedron, server, write_obj
 
 
 class Manners(Case):
@@ -34,6 +34,12 @@ class Manners(Case):
         _, error = self.run_here("voxelize", "meshes/octahedron.obj", code=2)
         self.assertIn("octahedron.vdb", error)
         self.assertEqual((self.dir / "octahedron.vdb").read_bytes(), kept)
+
+    def test_the_summary_counts_in_words_that_fit(self):
+        triangle = write_obj(self.dir / "one.obj", ([(0, 0, 0), (8, 0, 0), (0, 8, 0)], [(0, 1, 2)]))
+        self.assertIn(b"one.obj: 1 triangle, not closed", self.run_here("voxelize", triangle, "-o", "one.csv")[0])
+        text, _ = self.run_here("voxelize", self.mesh, "--dims", "20,20,20", "-o", "box.npz")
+        self.assertRegex(text, rb"\(resolution \d+, which fits --dims\)")
 
     def test_a_report_alone_writes_no_file(self):
         before = self.files()
@@ -81,12 +87,19 @@ class Manners(Case):
         self.assertEqual(done.returncode, 2)
         self.assertEqual(done.stderr.splitlines()[0], "latvox: --server is required")
 
+    def test_a_health_port_is_told_from_a_server(self):
+        with server(self.dir, "--health-listen", "127.0.0.1:0"):
+            address = await_log(self.dir, r"event=health address=(\S+)")
+            done = latvox("voxelize", self.mesh, "--resolution", 8, "--server", address, "-o", self.dir / "a.csv")
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("latvox: the server does not offer this call (UNIMPLEMENTED)", done.stderr)
+
     def test_an_address_without_a_port_is_refused(self):
         for address, why in (("localhost", "has no port"), ("127.0.0.1:99999", "has no port from 1 to 65535"),
                              ("https://localhost:50151", "is a URL"), ("127.0.0.1:1,", "is empty")):
             done = latvox("health", "--server", address)
-            self.assertEqual(done.returncode, 3, address)
-            self.assertIn(f"{why}; it is HOST:PORT or unix:PATH", done.stderr)
+            self.assertEqual(done.returncode, 2, address)
+            self.assertRegex(done.stderr, f"^latvox: --server: .*{why}; it is HOST:PORT or unix:PATH\n$")
 
 
 if __name__ == "__main__":

@@ -7,6 +7,8 @@
 
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
+#include "absl/strings/strip.h"
+#include "client/internal/address.h"
 #include "client/internal/trace_context.h"
 #include "client/tool/output/output.h"
 #include "client/tool/remote/remote_name.h"
@@ -149,6 +151,14 @@ std::vector<OptionRow> CredentialRows(ServerChoice& choice) {
        .value = "FILE"}};
 }
 
+WrongWord CheckServer(const std::string& text) {
+  for (const absl::string_view address : absl::StrSplit(text, ',')) {
+    const absl::Status status = CheckAddress(address);
+    if (!status.ok()) return {std::string(absl::StripPrefix(status.message(), "address: ")), std::string(address)};
+  }
+  return "";
+}
+
 std::string CheckTraceparent(const std::string& text) {
   return IsTraceparent(text) ? "" : absl::StrCat("\"", text, "\" is not VERSION-TRACE-SPAN-FLAGS of W3C");
 }
@@ -161,6 +171,7 @@ void AddServerOptions(CommandParser& command, ServerChoice& choice) {
                 .help = "Server, HOST:PORT or unix:PATH; several with commas",
                 .value = "ADDRESS",
                 .group = "Server",
+                .checks = {{CheckServer}},
                 .standard = "a private latvoxd"},
                {.names = "--timeout",
                 .target = &choice.timeout_seconds,
@@ -192,6 +203,8 @@ void AddServerOptions(CommandParser& command, ServerChoice& choice) {
                 {"--tls-ca", "--server"},
                 {"--tls-cert", "--server"},
                 {"--tls-key", "--server"},
+                {"--tls-cert", "--tls-key"},
+                {"--tls-key", "--tls-cert"},
                 {"--token-file", "--server"}});
 }
 

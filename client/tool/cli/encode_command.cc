@@ -73,7 +73,8 @@ absl::StatusOr<std::string> RunEncode(const EncodeWords& words, const MeshSource
   if (auto status = (*file)->Commit(); !status.ok()) return status;
   const std::string positions =
       words.quantization == 0 ? "lossless" : absl::StrCat("positions of ", words.quantization, " bits");
-  return absl::StrCat(NameOf(source), ": ", mesh->triangles.size(), " triangles\nwrote ", words.outputs[0], ", ",
+  return absl::StrCat(NameOf(source), ": ", mesh->triangles.size(),
+                      mesh->triangles.size() == 1 ? " triangle" : " triangles", "\nwrote ", words.outputs[0], ", ",
                       encoded->drc.size(), " bytes, ", positions, "\n");
 }
 

@@ -14,6 +14,7 @@
 #include "client/tool/cli/file_url.h"
 #include "client/tool/cli/remote_names.h"
 #include "client/tool/cli/request_rows.h"
+#include "deploy/manual/nearest_word.h"
 #include "latvox/error.h"
 
 namespace latvox::client {
@@ -209,8 +210,12 @@ absl::StatusOr<std::vector<std::string>> MeshPaths(const SortedJson& given, cons
 std::string OptionOf(absl::string_view field) { return absl::StrCat("--", absl::StrReplaceAll(field, {{"_", "-"}})); }
 
 absl::Status Unknown(const std::string& field) {
-  const auto name = [](std::string* out, const auto& entry) { *out += entry.first; };
-  return Wrong(field, ": unknown field; the fields are mesh, out, id, ", absl::StrJoin(kLineFields, ", ", name));
+  std::vector<std::string> names = {"mesh", "out", "id"};
+  for (const auto& entry : kLineFields) names.emplace_back(entry.first);
+  if (const auto nearest = NearestWord(field, names)) {
+    return Wrong(field, ": unknown field; did you mean ", *nearest, "?");
+  }
+  return Wrong(field, ": unknown field; the fields are ", absl::StrJoin(names, ", "));
 }
 
 // Returns the words of a command line for the request of the object, without outputs.

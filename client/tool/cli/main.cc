@@ -50,7 +50,7 @@ void Tell(absl::string_view what) {
 }
 
 ExitStatus Fail(const absl::Status& status) {
-  Tell(ErrorText(status));
+  Tell(absl::StrCat(ErrorText(status), absl::IsUnauthenticated(status) ? "; --token-file names its file" : ""));
   return ExitStatusOf(status);
 }
 
@@ -167,7 +167,7 @@ class Program {
         [](const auto& words) { return Interpret(words); },
         [](const auto& options, Cancel cancel) { return Print(Pixelize(options, cancel)); });
     Add(
-        "encode", "Write mesh files as one Draco file, the format that servers accept", &AddEncodeOptions, encode_,
+        "encode", "Write mesh files as one Draco file, a format that servers accept", &AddEncodeOptions, encode_,
         [](const auto& words) { return Interpret(words); },
         [this](const auto& source, Cancel cancel) { return Print(RunEncode(encode_, source, cancel)); });
   }

@@ -245,11 +245,12 @@ std::string ToText(const VoxelizeReport& report) {
   const std::string bits = certificate.quantization_bits == 0
                                ? "exact positions"
                                : absl::StrCat("positions of ", certificate.quantization_bits, " bits");
-  std::string text = absl::StrCat(report.mesh_path, ": ", mesh.triangles, " triangles, ",
+  std::string text = absl::StrCat(report.mesh_path, ": ", Count(mesh.triangles, "triangle"), ", ",
                                   mesh.closed ? "closed" : "not closed", ", ", bits, "\n");
   if (report.weld) text += WeldText(*report.weld);
+  const char* const origin = report.is_fitted ? ", which fits --dims)" : ", the default)";
   const std::string resolution =
-      report.default_resolution ? absl::StrCat(" (resolution ", *report.default_resolution, ", the default)") : "";
+      report.default_resolution ? absl::StrCat(" (resolution ", *report.default_resolution, origin) : "";
   absl::StrAppendFormat(&text, "%s lattice, voxel size %.6g%s, %s, placement %s\n", certificate.lattice,
                         report.accepted.grid.voxel_size, resolution, SeparationText(certificate),
                         NameOf(report.accepted.placement));

@@ -23,6 +23,7 @@ struct VoxelizeReport {
   Summary summary;
   std::optional<IndexBox> index_box;           // of the voxels
   std::optional<uint32_t> default_resolution;  // if the request states no size
+  bool is_fitted = false;                      // --dims decided on that resolution
   uint64_t skipped = 0;                        // points and lines of the mesh file
   std::optional<WeldReport> weld;              // if requested
   double read_ms = 0, encode_ms = 0;           // of the mesh

@@ -185,6 +185,7 @@ absl::StatusOr<VoxelizeReport> RunJob(const VoxelizeOptions& given, const CallOp
     const auto resolution = FitResolution(**client, options, *upload, call, hooks);
     if (!resolution.ok()) return resolution.status();
     options.request.resolution = *resolution;
+    report.is_fitted = true;
     outputs->clear();
     outputs = OpenOutputs(options, hooks);  // they may hold the request
     if (!outputs.ok()) return outputs.status();

@@ -114,7 +114,12 @@ int OpenNamed(const std::filesystem::path& target, std::string& path) {
 // Returns why the target cannot be written, or "".
 std::string WrongPlace(const std::filesystem::path& target) {
   struct stat status = {};
-  if (stat(target.c_str(), &status) != 0) return errno == ENOENT ? "" : std::strerror(errno);
+  if (stat(target.c_str(), &status) != 0) {
+    if (errno != ENOENT) return std::strerror(errno);
+    const std::filesystem::path folder = target.parent_path();
+    const bool is_missing = !folder.empty() && stat(folder.c_str(), &status) != 0 && errno == ENOENT;
+    return is_missing ? absl::StrCat("there is no folder ", folder.string()) : "";
+  }
   if (S_ISDIR(status.st_mode)) return "is a directory";
   // A pipe or device would be replaced instead of written to.
   return S_ISREG(status.st_mode) ? "" : "is not a regular file";

@@ -234,6 +234,12 @@ TEST(Options, FurtherNamesAndUpperCaseAreAccepted) {
   EXPECT_THAT(options.outputs, ElementsAre("out.vdb", "b.csv"));
 }
 
+TEST(Options, AMissingArgumentAndAWrongServerAreToldInTheWordsOfHelp) {
+  EXPECT_EQ(RefusalOfAll({"voxelize"}), "MESH is required");
+  Refuses({"--server", "a:1,localhost"}, {"--server: \"localhost\" has no port; it is HOST:PORT or unix:PATH"});
+  Refuses({"--server", "a:1", "--tls-cert", "c.pem"}, {"--tls-cert requires --tls-key"});
+}
+
 TEST(Options, TheFirstUnknownWordIsToldBeforeAMissingOneWithTheNearestKnownOne) {
   const std::pair<std::vector<std::string>, const char*> cases[] = {
       {{"voxelize", "--resolutoin", "9"}, "unknown option \"--resolutoin\"; did you mean --resolution?"},
@@ -270,9 +276,9 @@ TEST(Options, RefusalsOfLatticesNameOptionValueAndLimit) {
 }
 
 TEST(Options, RefusalsOfPartsNameOptionValueAndLimit) {
-  Refuses({"--resolution", "9", "--region", "0,0,0,0,1,1"}, {"--region", "axis 0"});
+  Refuses({"--resolution", "9", "--region", "0,0,0,0,1,1"}, {"--region", "axis i"});
   Refuses({"--resolution", "9", "--region", "0,0,0,9999999999,1,1"}, {"--region", "32-bit"});
-  Refuses({"--resolution", "9", "--bounds", "0,2,0,1,1,1"}, {"--bounds", "1 is below 2 on axis 1"});
+  Refuses({"--resolution", "9", "--bounds", "0,2,0,1,1,1"}, {"--bounds", "1 is below 2 on axis y"});
   Refuses({"--resolution", "9", "--bounds", "0,0,0,1,inf,1"}, {"--bounds", "6 finite numbers"});
   Refuses({"--resolution", "9", "--quantization", "31"}, {"--quantization", "31", "30"});
 }
