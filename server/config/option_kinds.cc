@@ -33,8 +33,8 @@ std::string CheckDigits(const std::string& text) {
 
 std::string CheckAtLeastOne(const std::string& text) { return text == "0" ? "0 is below 1" : ""; }
 
-std::string NotInRange(const std::string& text, const std::string& low, const std::string& high) {
-  return absl::StrCat("Value ", text, " not in range ", low, " to ", high);
+std::string NotInRange(absl::string_view text, absl::string_view kind, double low, double high) {
+  return absl::StrCat("\"", text, "\" is not a ", kind, " from ", low, " to ", high);
 }
 
 OptionRow Row(const std::string& flag, OptionTarget target, const std::string& help, const std::string& standard) {
@@ -94,7 +94,7 @@ OptionRow NumberTo(int most, const std::string& flag, int& value, const std::str
   row.checks.push_back({[most](const std::string& text) -> std::string {
                           int number = 0;
                           const bool is_good = absl::SimpleAtoi(text, &number) && number >= 0 && number <= most;
-                          return is_good ? "" : NotInRange(text, "0", absl::StrCat(most));
+                          return is_good ? "" : NotInRange(text, "whole number", 0, most);
                         },
                         absl::StrCat("0 to ", most)});
   return row;
@@ -121,7 +121,7 @@ OptionRow Seconds(const std::string& flag, double least, absl::Duration& value, 
   const auto check_range = [least](const std::string& text) -> std::string {
     double seconds = 0;
     const bool is_good = absl::SimpleAtod(text, &seconds) && seconds >= least && seconds <= kMost;
-    return is_good ? "" : NotInRange(text, std::to_string(least), std::to_string(kMost));
+    return is_good ? "" : NotInRange(text, "number", least, kMost);
   };
   OptionRow row = Row(flag, set, help, absl::StrCat(absl::ToDoubleSeconds(value)));
   row.value = "SECONDS";

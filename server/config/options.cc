@@ -232,7 +232,7 @@ std::variant<Configuration, int> ParseOptions(int argc, const char* const* argv)
     std::fputs(page.c_str(), stdout);
     return 0;
   } catch (const UsageError& error) {
-    std::fprintf(stderr, "%s\nRun with --help for more information.\n", error.what());
+    std::fprintf(stderr, "latvoxd: %s\n", error.what());
     constexpr int kWrongUsage = 2;
     return kWrongUsage;
   }

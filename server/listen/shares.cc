@@ -31,8 +31,8 @@ absl::StatusOr<ServerOptions> WithMemoryShared(ServerOptions options) {
   options.limits.mesh_store_bytes = std::min(options.limits.mesh_store_bytes, all / kStoreShare);
   const uint64_t taken = kOwnBytes + all / kGrpcShare + options.limits.mesh_store_bytes;
   if (all < taken + kLeastForJobs) {
-    return absl::InvalidArgumentError(absl::StrCat("memory budget ", all, " leaves less than ", kLeastForJobs,
-                                                   " for jobs, beside ", taken, " for the process itself"));
+    return absl::InvalidArgumentError(absl::StrCat("--memory-budget: ", all, " bytes leave less than ", kLeastForJobs,
+                                                   " for jobs; ", kLeastMemoryBudget, " suffice"));
   }
   options.memory_bytes = all;
   options.limits.memory_budget_bytes = all - taken;
