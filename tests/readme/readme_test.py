@@ -85,6 +85,13 @@ class Examples(unittest.TestCase):
                 done = subprocess.run(command, input=example, capture_output=True, text=True)
                 self.assertEqual(done.returncode, 0, done.stderr)
 
+    def test_scripts_refuse_other_arguments_with_their_usage(self):
+        for script in ("deploy/quickstart", "deploy/scale/measure", "client/docs/draw", "deploy/gateway/install"):
+            with self.subTest(script):
+                done = subprocess.run([ROOT / script, "--help", "me", "now"], capture_output=True, text=True)
+                self.assertEqual(done.returncode, 2, done.stderr)
+                self.assertRegex(done.stderr, f"(?i)usage: .*{pathlib.Path(script).name}")
+
     def test_files_that_are_named_exist(self):
         missing = []
         for page in PAGES:
