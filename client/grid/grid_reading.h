@@ -15,6 +15,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/strip.h"
 #include "client/grid/grid_archive.h"
 #include "client/grid/nano_archive.h"
 #include "client/grid/nano_names.h"
@@ -41,7 +42,7 @@ auto WithArchive(std::istream& in, const std::string& path, const Read& read)
   } catch (const std::ios_base::failure&) {
     why = "it is cut short";
   } catch (const std::exception& error) {
-    why = Printable(error.what());
+    why = Printable(absl::StripPrefix(error.what(), "IoError: "));
   }
   return absl::InvalidArgumentError(
       absl::StrCat(path, ": is not a readable ", is_nano ? ".nvdb" : ".vdb", " file (", why, ")"));

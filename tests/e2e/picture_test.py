@@ -311,7 +311,7 @@ class Errors(Case):
             ([self.vdb, *out, "--view", "10,91"], USAGE, "--view.*10,91.*90"),
             ([self.vdb, *out, "--color", "red"], USAGE, "--color.*red.*RRGGBB"),
             ([self.dir / "none.vdb", *out], BAD_INPUT, "none.vdb: no such file"),
-            ([self.no_vdb, *out], BAD_INPUT, "octahedron.obj: is not a readable .vdb file"),
+            ([self.no_vdb, *out], BAD_INPUT, r"octahedron.obj: is not a readable .vdb file \(not a VDB file\)"),
             ([self.vdb, "-o", self.dir / "none" / "out.png"], OTHER, "none/out.png: cannot be written"),
         ]:
             with self.subTest(pattern):

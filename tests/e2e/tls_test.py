@@ -287,7 +287,7 @@ class Tokens(TlsCase):
                 (self.dir / "wrong").write_text("alice-9876543210")
                 done = latvox("limits", *remote, *without)
                 self.assertEqual(done.returncode, REFUSED, done.stderr)
-                self.assertRegex(done.stderr, "bearer token")
+                self.assertRegex(done.stderr, "bearer token.*; --token-file names its file\n$")
             remote += ["--token-file", token]
             self.assertIn('"max_triangles": 5', latvox("limits", "--json", *remote).stdout)
             done = latvox("voxelize", BUNNY, "-o", self.dir / "x.csv", "--lattice", "bcc", "--resolution", 9, *remote)

@@ -40,6 +40,7 @@
 #include "deploy/manual/completions.h"
 #include "deploy/process/exhaustion.h"
 #include "deploy/process/orderly_end.h"
+#include "latvox/error.h"
 
 namespace latvox::client {
 namespace {
@@ -50,7 +51,8 @@ void Tell(absl::string_view what) {
 }
 
 ExitStatus Fail(const absl::Status& status) {
-  Tell(absl::StrCat(ErrorText(status), absl::IsUnauthenticated(status) ? "; --token-file names its file" : ""));
+  const bool lacks_token = GetErrorDetails(status).reason == "UNAUTHENTICATED";
+  Tell(absl::StrCat(ErrorText(status), lacks_token ? "; --token-file names its file" : ""));
   return ExitStatusOf(status);
 }
 

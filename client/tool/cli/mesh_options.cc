@@ -14,6 +14,7 @@ OptionRow MeshRow(MeshSource& mesh) {
       .help =
           "Mesh file: .drc .obj .ply .stl .off .glb .gltf .3mf, or - for standard input; several files form one mesh",
       .value = "MESH",
+      .checks = {{[](const std::string& path) { return path.empty() ? "\"\" names no file" : ""; }}},
       .required = true};
 }
 

@@ -236,6 +236,7 @@ TEST(Options, FurtherNamesAndUpperCaseAreAccepted) {
 
 TEST(Options, AMissingArgumentAndAWrongServerAreToldInTheWordsOfHelp) {
   EXPECT_EQ(RefusalOfAll({"voxelize"}), "MESH is required");
+  EXPECT_EQ(RefusalOfAll({"voxelize", ""}), "MESH: \"\" names no file");
   Refuses({"--server", "a:1,localhost"}, {"--server: \"localhost\" has no port; it is HOST:PORT or unix:PATH"});
   Refuses({"--server", "a:1", "--tls-cert", "c.pem"}, {"--tls-cert requires --tls-key"});
 }
