@@ -29,8 +29,8 @@ namespace latvox::client {
 // connections, so it may outlive its Client.
 //
 // Costs: one thread, which runs the call; and at most four batches in memory, including the last one from Next. A batch
-// has at most 32,768 bricks of 80 bytes, with mostly up to 3.5 MiB of fields. While three batches
-// wait, the server is held back. A batch is copied once, which costs little beside its decoding.
+// has at most 32,768 bricks of 80 bytes, and at most 3.5 MiB of fields unless those of one tile are more. The server
+// waits while three batches wait. The stream copies each batch once, which costs little beside its decoding.
 //
 // Threads: one at a time may use a handle. CallOptions.cancellation stops the call from any other.
 class LATVOX_EXPORT BrickStream {

@@ -66,7 +66,7 @@ class LATVOX_EXPORT Client {
   static absl::StatusOr<Client> StartPrivate(const PrivateServerOptions& server_options = {},
                                              const CallOptions& options = {});
 
-  // Makes a client of another service than a server, for tests. Not null: see latvox/voxel_service.h.
+  // Makes a client of another service than a server, for tests: see latvox/voxel_service.h. Precondition: not null.
   explicit Client(std::shared_ptr<VoxelService> service);
 
   Client(Client&&) noexcept;             // the other one may then only be destroyed or assigned to

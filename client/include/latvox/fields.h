@@ -18,7 +18,7 @@ enum class Field {
   kPart,      // the part of the mesh
   kMaterial,  // the material
   kColor,     // red, green, blue
-  kDistance,  // the distance to the mesh, world units
+  kDistance,  // the distance to the mesh, world units; negative inside with VoxelizeRequest::signed_distance
   kTriangle,  // the number of the nearest triangle in the mesh as sent
   kPoint,     // its nearest point, as weights of its second and third corner
   kNormal,    // its unit normal in the world: x, y, z
@@ -26,9 +26,9 @@ enum class Field {
   kLinks,          // the share of the link's length at which it first meets the mesh; NaN: it is not crossed
   kLinkTriangles,  // the number of the triangle that it meets first; 4294967295: it is not crossed
   kLinkCrossings,  // the number of triangles that cross the link
-  // Not of the nearest triangle, and one number: of n^3 points of the voxel's cell, those inside the mesh.
+  // How many of the n^3 points of the voxel's cell are inside of the mesh, n being VoxelizeRequest::fraction_n.
   kFraction,
-  // The same for each of Accepted::fraction_labels: a labeled solid's points of that label alone.
+  // The same for each of Accepted::fraction_labels: only points of a labeled solid that have this label.
   kLabelFractions,
 };
 
@@ -124,8 +124,8 @@ inline std::string LinkName(Field field, const std::array<int32_t, 3>& step) {
 struct FieldValues {
   Field field = Field::kPart;         // the field that voxels carry
   std::vector<std::byte> bytes = {};  // little-endian
-  size_t neighbors = 0;               // of a voxel, for a field with a number for each
-  std::vector<uint32_t> labels = {};  // likewise, in the order of a voxel's numbers
+  size_t neighbors = 0;               // of a voxel, for a field with a number for each neighbor
+  std::vector<uint32_t> labels = {};  // in the order of a voxel's numbers, for a field with a number for each label
 
   // Returns the numbers of a voxel.
   size_t components() const {
@@ -146,7 +146,8 @@ struct FieldValues {
   bool operator==(const FieldValues&) const = default;
 };
 
-// Returns whether the mesh crosses the n-th of all links, in the order of the values. Precondition: a field of links.
+// Returns whether the mesh crosses the n-th of all links. Links are numbered from 0, in the order of the values.
+// Precondition: a field of links.
 inline bool IsCrossed(const FieldValues& links, size_t n) {
   if (links.field == Field::kLinks) return !std::isnan(links.As<float>()[n]);
   const uint32_t number = links.As<uint32_t>()[n];

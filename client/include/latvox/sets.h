@@ -74,7 +74,7 @@ struct Solid {
 
 // The lattice points near the mesh: see Band in the protocol.
 struct Band {
-  double width = 0;        // finite, at least 1/8192 of a voxel size
+  double width = 0;        // finite; from 1/8192 of a voxel size to 256 voxels along any lattice axis
   bool in_voxels = false;  // width counts GridTransform.voxel_size; otherwise world units
   bool operator==(const Band&) const = default;
 };
@@ -97,10 +97,10 @@ struct Enclosed {
   bool operator==(const Enclosed&) const = default;
 };
 
-// The points that such a walk reaches from the lattice point nearest to a world position.
+// The points that a walk as in Enclosed reaches from the lattice point nearest to a world position.
 struct Connected {
-  Vec3d seed{};                // world position
-  double close = 0;            // as above
+  Vec3d seed{};                // world position where the walk starts
+  double close = 0;            // as in Enclosed
   bool allow_outside = false;  // otherwise it is an error if the walk gets outside
   bool operator==(const Connected&) const = default;
 };

@@ -22,10 +22,10 @@
 
 namespace latvox::client {
 
-// The ways to find voxels. All except kExact are for comparison.
+// The ways to find voxels. All except kExact are those of a thesis, for comparison: see Algorithm in the protocol.
 enum class Algorithm {
   kExact,                 // the nearer ends of all lattice links that the mesh crosses
-  kBruteForce,            // the thesis's, like the other two
+  kBruteForce,            // every lattice point within half a step of a triangle
   kIncremental,           // one voxel for each lattice line that meets a triangle
   kOptimizedIncremental,  // the same by one addition for each voxel
 };
@@ -94,15 +94,15 @@ struct VoxelizeRequest {
   VoxelSet set = Surface{};                         // the lattice points to find
   std::vector<Field> fields = {};                   // carried by each of them, each once; the mesh must have its own
   bool signed_distance = false;                     // Field::kDistance is negative inside
-  uint32_t fraction_n =
-      0;  // for fields that count points of cells: points along each axis of a cell, 2 to 16; otherwise 0
+  // For Field::kFraction and kLabelFractions: the number of points along each axis of a cell, 2 to 16. Otherwise 0.
+  uint32_t fraction_n = 0;
   // For Field::kLabelFractions: the labels, each once, at most 32; none: all of the mesh, ascending.
   std::vector<uint32_t> fraction_labels = {};
   // Only voxels whose centers lie in this box, exactly as in the whole; the lattice does not move.
   std::optional<WorldBox> bounds = std::nullopt;
   std::optional<RawMeshLayout> raw_mesh = std::nullopt;  // layout of the mesh's bytes; default: they are a Draco stream
-  // The place of lattice points, as far as size and origin leave it open; default: kPoints for a
-  // surface and a band, else kCells.
+  // The place of lattice points, as far as size and origin leave it open. Default: kCells for Solid, Enclosed and
+  // Connected, else kPoints.
   std::optional<Placement> placement = std::nullopt;
 };
 
@@ -147,7 +147,7 @@ struct MeshNote {
   std::vector<std::string> priority = {};         // Solid.priority in words: numbers, and names from the file
   std::vector<std::string> fraction_labels = {};  // VoxelizeRequest.fraction_labels in such words
   std::optional<MeshFacts> facts = std::nullopt;  // as the server found them: they tell the parts of two meshes apart
-  std::optional<double> alpha_cutoff = std::nullopt;  // voxels of less opacity were left out
+  std::optional<double> alpha_cutoff = std::nullopt;  // voxels of less opacity, 0 to 1, were left out
   bool operator==(const MeshNote&) const = default;
 };
 
@@ -159,9 +159,10 @@ struct Accepted {
   uint64_t tiles_in_box = 0;          // 64^3 tiles that meet index_box
   MeshFacts mesh;                     // facts from the server
   Placement placement = {};           // the one that was used
-  std::vector<Vec3i> neighbors =
-      {};  // lattice vectors, ascending, for a request with fields of links: see the protocol
-  std::vector<uint32_t> fraction_labels = {};  // for Field::kLabelFractions: of a voxel's numbers
+  // For a request with fields of links: lattice vectors to the k-neighbors, in lexicographic order.
+  std::vector<Vec3i> neighbors = {};
+  // For Field::kLabelFractions: the labels, in the order of a voxel's numbers.
+  std::vector<uint32_t> fraction_labels = {};
 
   // Returns values of no voxel for a field that voxels carry.
   FieldValues NoValues(Field field) const {
@@ -189,7 +190,7 @@ struct BrickBatch {
 // The inside of a mesh.
 struct SolidFacts {
   std::string rule;               // the one that was used: "parity", "winding" or "positive"
-  uint64_t unbalanced_lines = 0;  // along k, which have no interior; 0 if the mesh is closed
+  uint64_t unbalanced_lines = 0;  // lattice lines along k without an interior; 0 if the mesh is closed by the rule
 };
 
 // A band.
@@ -212,15 +213,15 @@ struct Leak {
   std::vector<Vec3i> path = {};  // its lattice points: at most 4096, around the narrowest
   Vec3i narrowest{};             // the point with the least room, in the middle of the hole
   Vec3d narrowest_world{};       // its world position
-  double room = 0;               // its distance from the mesh, world units
-  uint64_t box_points = 0;       // of the mesh's box
+  double room = 0;               // its distance from the mesh, world units; negative: the lattice is too skewed for it
+  uint64_t box_points = 0;       // the lattice points of the mesh's box
 };
 
 // The facts of one label of an enclosed set: see LabelWalk in the protocol.
 struct LabelWalk {
   uint32_t label = 0;                       // its number
   uint64_t cavities = 0;                    // as in WalkFacts, of its triangles alone
-  uint64_t points = 0;                      // the lattice points of these
+  uint64_t points = 0;                      // the lattice points of these cavities
   std::optional<Leak> leak = std::nullopt;  // for Enclosed::leak_from
 };
 
@@ -248,9 +249,9 @@ struct Certificate {
   bool verified = false;           // the next two were counted for this result
   uint64_t tunnels = 0;            // crossed lattice links without an end in the set; valid if verified
   uint64_t redundant = 0;          // voxels that could leave; valid if verified
-  bool closed = false;             // as in MeshFacts, like the next two
-  double snap_error_max = 0;       // voxels
-  uint32_t quantization_bits = 0;  // 0: none
+  bool closed = false;             // as in MeshFacts
+  double snap_error_max = 0;       // as in MeshFacts
+  uint32_t quantization_bits = 0;  // as in MeshFacts
   std::string algorithm;           // "exact", "brute-force", "incremental" or "optimized-incremental"
   std::string version;             // of the server
   std::string digest;              // identifies the voxel set: 32 hexadecimal digits
@@ -271,7 +272,7 @@ struct ServerTimings {
   double upload_ms = 0;    // from the specification's arrival to the mesh's last byte; 0: no mesh was sent
   double decode_ms = 0;    // Draco decoding and checking; 0 if the server had the decoded mesh
   double voxelize_ms = 0;  // snapping, digitizing, thinning and, if requested, verifying
-  double stream_ms = 0;    // the wait for the client to take bricks
+  double stream_ms = 0;    // the wait for the client to take bricks, and then for another turn
 };
 
 // The last answer: nothing is missing.
@@ -309,7 +310,7 @@ struct Limits {
   uint64_t max_vertices = 0;         // of a mesh, as decoded
   uint32_t max_extent = 0;           // voxels along any lattice axis of the mesh's index box
   uint32_t max_jobs = 0;             // at work at once
-  uint64_t max_message_bytes = 0;    // one message in either direction
+  uint64_t max_message_bytes = 0;    // of one message to the server
   uint32_t subvoxel_bits = 0;        // fractional bits of the lattice coordinates that vertices are snapped to
   std::string version;               // of the server
   uint64_t max_points = 0;           // for Pixelize: in all polylines

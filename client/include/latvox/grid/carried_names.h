@@ -1,4 +1,4 @@
-// The names of the parts and materials that voxels carry the numbers of. Programs need no OpenVDB header for this.
+// Names of parts and materials; voxels carry their numbers. Programs need no OpenVDB header for this.
 //
 // Grids of latvox::client::FieldGrids keep them in their metadata, if the mesh's file has some:
 //

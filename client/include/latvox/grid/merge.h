@@ -36,10 +36,11 @@ using ReadPart = std::function<absl::StatusOr<GridContent>(const std::string& pa
 // Parts with fields are in memory all together: the bytes of their values, and 108 bytes for each brick. The whole is
 // as large again, and then come its grids: see FieldGrids, DistanceGrid. All parts are kept open: one file each.
 //
-// `progress`, if any, gets the share of the work done, 0 to 1, and the number of bricks written so far, from time to
-// time. `read` reads parts with fields; it is ReadGridContent if it is empty.
+//   progress   if not empty, is called now and then with the share of the work done, 0 to 1, and the bricks written
+//   read       reads parts with fields; empty: ReadGridContent
 //
-// Damaged parts are errors: all lengths are checked, except by ReadGridContent, and all digests.
+// Damaged parts are errors. MergeParts checks all digests, and all lengths in parts without fields. `read` must check
+// the lengths in parts with fields, and ReadGridContent trusts them.
 //
 // Errors:
 //   NOT_FOUND            there is no such file; the message names it

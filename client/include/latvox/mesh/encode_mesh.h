@@ -33,13 +33,13 @@ LATVOX_EXPORT absl::StatusOr<std::string> EncodeMesh(std::span<const std::array<
 // All are optional.
 struct EncodeOptions {
   std::vector<Field> fields = {};  // of the mesh, which the stream carries besides positions, each once
-  int quantization_bits = 0;       // as above
+  int quantization_bits = 0;       // 0 to 30, as for arrays
 };
 
-// Encodes a mesh with fields in the same way, for a request with them among VoxelizeRequest::fields. Positions
-// are rounded to float32, because the service takes no others. Errors: as above, and INVALID_ARGUMENT for a position
-// beyond float32, a list of another length, parts that descend, a field that is named twice or that the mesh
-// lacks.
+// Encodes a mesh with fields in the same way, for a request with them among VoxelizeRequest::fields. Rounds positions
+// to float32, because Draco streams of this service have no others; EncodeRawMesh keeps doubles. Errors: as above, and
+// INVALID_ARGUMENT for a position beyond float32, a list of another length, parts that descend, a field that is named
+// twice or that the mesh lacks.
 LATVOX_EXPORT absl::StatusOr<std::string> EncodeMesh(const TriangleMesh& mesh, const EncodeOptions& options = {});
 
 }  // namespace latvox::client

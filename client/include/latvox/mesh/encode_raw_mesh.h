@@ -25,7 +25,8 @@ struct RawMesh {
   std::string bytes;     // the arrays, one after the other, little-endian
 };
 
-// Positions are float32 if that holds all of them exactly, otherwise doubles. Thread-safe.
+// Lays out all triangles, degenerate and duplicate ones included. Positions are float32 if that holds all of them
+// exactly, otherwise doubles. Thread-safe.
 //   fields   of the mesh, which the arrays carry besides positions, each once
 // Errors: INVALID_ARGUMENT naming field and element: no triangle, an index out of range, a position that is not finite,
 // a list of another length, parts that descend, a field that is named twice or that the mesh lacks.
