@@ -19,8 +19,8 @@
 namespace latvox::client {
 namespace {
 
-// The form of each field's grids: where the mesh does not cross a link, its voxel is not active. So files,
-// and the one grid in memory, follow the crossed links. A solid with links has mostly voxels without one.
+// The form of each field's grids: where the mesh does not cross a link, its voxel is not active. So files, and the one
+// grid in memory, grow with the crossed links. Most voxels of a solid have none.
 template <Field field>
 struct LinkForm;
 

@@ -1,4 +1,4 @@
-// What the text of a server's address says. Internal to the SDK.
+// The meaning of a server's address. Internal to the SDK.
 #ifndef LATVOX_CLIENT_INTERNAL_ADDRESS_H_
 #define LATVOX_CLIENT_INTERNAL_ADDRESS_H_
 

@@ -17,8 +17,8 @@
 namespace latvox::client {
 
 // The answers of one Voxelize call, checked in order. They come from one stream, or from several; each later stream was
-// asked to continue after resume_after(). Memory: one batch, which
-// may be a tile that came in parts, and 12 bytes for each tile seen.
+// asked to continue after resume_after(). Memory: one batch, which may be a tile that came in parts, and 12 bytes for
+// each tile seen.
 class AnswerCheck {
  public:
   // `mesh_bytes` is the length of the mesh; 0: not known. `request` must outlive this.

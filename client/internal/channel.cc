@@ -40,8 +40,7 @@ grpc::ChannelArguments Arguments(const ConnectionOptions& options) {
 absl::StatusOr<std::shared_ptr<grpc::Channel>> MakeChannel(const std::string& address,
                                                            const ConnectionOptions& options) {
   // gRPC's library stays up until the process ends. Its shutdown takes 10 s if an abandoned call still sends.
-  static const bool kept_up = (grpc_init(), true);
-  static_cast<void>(kept_up);
+  [[maybe_unused]] static const bool kept_up = (grpc_init(), true);
   const auto credentials = MakeChannelCredentials(address, options.credentials);
   if (!credentials.ok()) return credentials.status();
   return grpc::CreateCustomChannel(address, *credentials, Arguments(options));

@@ -18,7 +18,7 @@ struct EncodedImage {
   std::string bytes;  // foreign
 };
 
-// What a texture shows beyond its image.
+// The pixels that a texture shows beyond its image.
 enum class Wrap {
   kRepeat,  // the image again
   kMirror,  // its mirror image, and so on by turns

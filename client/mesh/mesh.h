@@ -36,8 +36,8 @@ struct Mesh {
   std::vector<std::string> part_names = {};      // by number, as far as the file names its parts; "": unknown
   std::vector<std::string> material_names = {};  // likewise
   std::string no_color = {};  // the reason why some of the file's colors are missing; empty: there are no others
-  BaseColors base_colors =
-      {};  // if ParseOptions ask for them; a triangle's image counts, not the colors of its corners
+  // If ParseOptions ask for them. A triangle's image counts, not the colors of its corners.
+  BaseColors base_colors = {};
 };
 
 // The most triangles, and the most vertices, that a scene may place in all; it may place one mesh many times.

@@ -34,9 +34,9 @@ namespace {
 constexpr LinearRgba kFullColor{1, 1, 1, 1};
 constexpr uint32_t kNoMaterial = UINT32_MAX;  // until all materials are numbered
 
-// Adds the place to the status.
+// Returns the status with the element of a list before its message: "primitives[2]: ...".
 absl::Status In(absl::string_view list, size_t number, const absl::Status& status) {
-  return absl::Status(status.code(), absl::StrCat(list, number, "]: ", status.message()));
+  return absl::Status(status.code(), absl::StrCat(list, "[", number, "]: ", status.message()));
 }
 
 // Returns the translation that CESIUM_RTC applies to the whole scene.
@@ -190,7 +190,7 @@ absl::StatusOr<std::vector<Affine>> SceneReader::JointsOf(const SortedJson& node
     return Bad("a skin together with EXT_mesh_gpu_instancing is not defined");
   }
   auto joints = ReadGltfJoints(*skin, root_, buffers_, *places_);
-  if (!joints.ok()) return In("skins[", *skin, joints.status());
+  if (!joints.ok()) return In("skins", *skin, joints.status());
   return joints;
 }
 
@@ -210,7 +210,7 @@ absl::StatusOr<std::vector<GltfPrimitive>> SceneReader::ReadPrimitives(const Sor
       primitive = GltfError(error);
     }
     const absl::Status& status = primitive.status();
-    if (!status.ok()) return In("primitives[", primitives.size(), status);
+    if (!status.ok()) return In("primitives", primitives.size(), status);
     Mesh& read = primitive->mesh;
     if (read.triangles.empty()) {  // its vertices are not needed
       read.positions = {};
@@ -251,7 +251,7 @@ absl::Status SceneReader::AddMesh(uint64_t number, const std::string& node_name,
     const GltfPrimitive& primitive = found->second[n];
     const absl::Status status = primitive.influences.empty() ? AddPrimitive(described, primitive, part, to_world)
                                                              : AddSkinned(described, primitive, joints, part);
-    if (!status.ok()) return named(In("primitives[", n, status));
+    if (!status.ok()) return named(In("primitives", n, status));
   }
   return absl::OkStatus();
 }

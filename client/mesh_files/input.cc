@@ -90,6 +90,7 @@ absl::StatusOr<std::string> ReadBytes(const std::string& path) {
 
 void StopReading() {
   const uint64_t one = 1;
+  // Fails only where the event is set already: its counter has no room.
   static_cast<void>(!write(StopEvent(), &one, sizeof(one)));
 }
 

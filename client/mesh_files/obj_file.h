@@ -12,12 +12,12 @@
 namespace latvox::client {
 
 // Reads an OBJ file. Positions are the nearest doubles to the decimal text. Polygons are triangulated.
-// - Each `o` with faces is a part. In a file without `o`, each `g` with faces is one, unless it repeats the name
-// before.
+// - Each `o` with faces is a part. In a file without `o`, each `g` with faces is one, unless it repeats the
+//   name before it.
 // - Materials are the names of `usemtl`, in order of first use.
 // - Colors are those of vertices (obj_vertices.h). Without them, colors are `Kd` of the materials, from the files of
 //   `mtllib` in the folder. Faces without a color are white then; the warning is PARTIAL_COLORS.
-//   If the options ask for base colors, they are those of materials with `map_Kd`. Otherwise the warning is
+// - Textures are the `map_Kd` of materials. They are read if the options ask for base colors. Otherwise the warning is
 //   IGNORED_TEXTURE.
 // - Other elements are counted as skipped, with the warning SKIPPED_ELEMENTS: lines, points, curves, surfaces, and
 //   statements with an unknown keyword. Texture coordinates, normals and display settings are ignored.

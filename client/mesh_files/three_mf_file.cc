@@ -256,7 +256,7 @@ class Reader {
     return status.ok() ? status : part.Error(node, status.message());
   }
 
-  // Warns of what is placed although a printer would not make it, or would make it otherwise, once an object.
+  // Warns of an object that a printer would not make, or would make otherwise: once, however often it is placed.
   void WarnOf(const pugi::xml_node& reference, const pugi::xml_node& object) {
     const std::string element = absl::StrCat("object ", TextOf(object.attribute("id")));
     const absl::string_view type = TextOf(object.attribute("type")),

@@ -17,11 +17,11 @@ namespace latvox::client {
 // - Numbers and names may have white space around them; parts are UTF-8 or UTF-16.
 // - Objects of all types are placed, with a warning for those that are no models, or are not to be printed.
 // - Base materials are materials, numbered by first use. Colors are the displaycolor of a base material, or those of a
-//   colorgroup. A vertex with several colors becomes several vertices.
-//   Beside colored triangles, those without a color are white, with a warning.
-// - Extensions: production is read (parts in several files), and the colorgroup of materials. Slices and sets of
-//   triangles may be required, because they leave the mesh alone. Everything else that is not a required extension is
-//   ignored. Textures are not sampled.
+//   colorgroup. A vertex with several colors becomes several vertices. Beside colored triangles, those without a color
+//   are white, with a warning.
+// - Extensions: production is read (parts in several files). So are the colorgroup of materials, and its texture2dgroup
+//   if the options ask for base colors. Slices and sets of triangles may be required, because they leave the mesh
+//   alone. Everything else that is not a required extension is ignored.
 // - With options.skip_bad, triangles are left out if their indices or vertices are wrong.
 // Errors:
 //   INVALID_ARGUMENT     names part, line, element and value: not a zip archive; not XML; an attribute that is missing

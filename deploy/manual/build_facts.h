@@ -17,7 +17,7 @@ struct BuildFacts {
   std::vector<Library> libraries;  // in the order of their names
 };
 
-// Of the program that calls it. latvox_add_build_facts in CMakeLists.txt makes its definition.
+// Returns the facts of the program that calls it. latvox_add_build_facts in CMakeLists.txt makes its definition.
 BuildFacts FactsOfThisBuild();
 
 // The page of --version. Its first line is "PROGRAM VERSION", which scripts read.

@@ -13,7 +13,7 @@
 
 namespace latvox {
 
-// What is wrong, for programs. Empty texts are unknown.
+// The fault in a command line, for programs. Empty texts are unknown.
 struct UsageDetails {
   std::string option = {};  // "--resolution"
   std::string value = {};   // as given

@@ -31,7 +31,7 @@ WrongWord FindWrong(const OptionRow& row, const std::string& word);
 // "268435456" as "256MiB", in the largest unit that divides it.
 std::string SizeText(const std::string& bytes);
 
-// Fills in what help and pages say about the values: their name, such as N, words, range, default.
+// Fills in the facts about the values, for help and pages: their name, such as N, words, range, default.
 void DescribeValue(const OptionRow& row, OptionFacts& facts);
 
 // Returns the value of an environment variable; "" if it has none, or if the name is empty.

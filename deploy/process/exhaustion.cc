@@ -29,7 +29,7 @@ constexpr size_t kProbeBytes = size_t{64} << 20;
 // Addresses for each arena of the heap. An arena may take 128 MiB for a moment.
 constexpr uint64_t kBytesOfArena = uint64_t{2} << 30;
 
-// Of a thread that only waits. ARM's least stack is larger.
+// The stack of a thread that only waits. ARM's least stack is larger.
 constexpr size_t kSmallStack = size_t{64} << 10;
 
 bool CanMap(size_t bytes) {

@@ -128,7 +128,7 @@ absl::Status DoneJobs::ReadFile(const std::string& path, const Cancellation& can
       }
       Add(json.at("outputs").at(0).get<std::string>(), std::move(done));
     } catch (const SortedJson::exception&) {
-      // The line is not ours.
+      // A line of another program, or of another version: its job runs again.
     }
   }
   if (!file.eof()) return absl::FailedPreconditionError(absl::StrCat(path, ": cannot be read to its end"));

@@ -1,8 +1,8 @@
 // One line of a job file: a JSON object.
 //
 //   mesh    the only required field: a path or URL (file:, https:, http:, s3:), or an array of several, which form one
-//   mesh. A relative path
-//           starts at the job file's folder, or at the working directory if the job file is standard input.
+//           mesh. A relative path starts at the job file's folder, or at the working directory if the job file is
+//           standard input.
 //   out     file name below the output directory, or a URL (https:, http:, s3:), or an array of several; default: the
 //           first mesh's name with .vdb
 //   id      unique name in the results; default: the first of out

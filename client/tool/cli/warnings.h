@@ -1,4 +1,4 @@
-// What commands do with warnings.
+// Warnings of commands, for people.
 #ifndef LATVOX_CLIENT_TOOL_CLI_WARNINGS_H_
 #define LATVOX_CLIENT_TOOL_CLI_WARNINGS_H_
 

@@ -18,9 +18,9 @@ using ReceiveBytes = std::function<absl::Status(void* to, size_t bytes)>;
 // Sends a content or an error. The content may be facts alone, without bricks.
 void SendContent(const absl::StatusOr<GridContent>& content, const SendBytes& send);
 
-// Receives either. Whoever damaged the file may have made the sender's code his own, so only these properties hold that
-// are checked here: bricks are in order, in range and not empty, and counts of voxels and values agree; numbers are
-// finite. Memory grows with the bytes that come, not with the counts that they claim. Errors: those of `receive`;
+// Receives either. A malicious file may control the sender, so a content has only the properties that this function
+// checks: bricks are in order, in range and not empty; counts of voxels and values agree; numbers are finite. Memory
+// grows with the bytes that come, not with the counts that they claim. Errors: those of `receive`;
 // DATA_LOSS: a property does not hold; the sender's, of its two kinds INVALID_ARGUMENT and RESOURCE_EXHAUSTED.
 absl::StatusOr<GridContent> ReceiveContent(bool facts_alone, const ReceiveBytes& receive);
 

@@ -4,7 +4,7 @@
 
 namespace latvox::client {
 
-// What such a process sends.
+// The words for the content that such a process sends.
 inline constexpr char kReadInfo[] = "info", kReadVoxels[] = "voxels", kReadContent[] = "content", kReadHdf5[] = "hdf5";
 
 // Returns whether ReaderProcess started this process. Programs that read foreign files ask first in main(), and then

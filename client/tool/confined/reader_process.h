@@ -26,8 +26,8 @@ inline constexpr int kReaderLacksLibrary = 2;  // Vdb::Load fails
 inline constexpr int kReaderOutOfMemory = 77;  // beyond ReaderLimits
 inline constexpr int kReaderCannotSend = 100;  // and errno, which is below 156 on Linux
 
-// What a file may cost. A whole file takes far less: OpenVDB unpacks up to 45 bytes from one, and reads some megabytes
-// a second on a slow disk of a busy machine.
+// The most that a file may cost. A whole file takes far less: OpenVDB unpacks up to 45 bytes from one, and reads some
+// megabytes a second on a slow disk of a busy machine.
 struct ReaderLimits {
   uint64_t memory = 0;   // bytes beyond those of a process that has read nothing
   uint64_t seconds = 0;  // of processor time

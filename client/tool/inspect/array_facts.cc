@@ -22,7 +22,7 @@
 namespace latvox::client {
 namespace {
 
-// What the header of a .npy says.
+// The facts in the header of a .npy.
 struct Array {
   std::string type;             // as Python writes it
   std::vector<uint64_t> shape;  // product below 2^62

@@ -8,7 +8,7 @@
 
 namespace latvox::client {
 
-// What a file holds.
+// The facts about a file.
 struct FileFacts {
   std::string text;  // one line for each fact
   std::string json;  // an object with the same facts

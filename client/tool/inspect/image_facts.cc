@@ -135,7 +135,7 @@ T At(const std::string& bytes, size_t at) {
   return value;
 }
 
-// Returns nothing for what latvox does not write.
+// Returns nothing for a form that latvox does not write.
 template <class Side, class Real>
 std::optional<ImageHead> NiftiHead(const std::string& bytes, const std::array<Side, 8>& sides, int16_t type,
                                    size_t rows_at) {

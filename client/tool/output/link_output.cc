@@ -15,7 +15,7 @@
 namespace latvox::client {
 namespace {
 
-// What both formats need of the call.
+// The facts about the call that both formats need.
 class LinkOutput : public Output {
  public:
   LinkOutput(std::unique_ptr<AtomicFile> file, const std::vector<Field>& fields)

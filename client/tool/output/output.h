@@ -54,8 +54,7 @@ struct OutputOptions {
   std::optional<MetadataPairs> metadata = std::nullopt;    // of grids, in place of request, note and summary
 };
 
-// Returns the extension, with the dot, in lower case. ".nii.gz", ".links.csv" and ".cells.vtu" are
-// one.
+// Returns the extension, with the dot, in lower case: also the double ones, such as ".nii.gz" and ".links.csv".
 std::string ExtensionOf(const std::string& path);
 
 // Returns the extensions that OpenOutput supports, with the dot.

@@ -1,4 +1,4 @@
-// What is around the voxels of a picture: background, legend and scale bar.
+// The surroundings of a picture's voxels: background, legend and scale bar.
 #ifndef LATVOX_CLIENT_TOOL_OUTPUT_PICTURE_STYLE_H_
 #define LATVOX_CLIENT_TOOL_OUTPUT_PICTURE_STYLE_H_
 

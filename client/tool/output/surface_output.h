@@ -11,9 +11,8 @@ namespace latvox::client {
 
 // .glb (binary glTF 2.0): the facets of Voronoi cells between a voxel and a lattice point that is not one, a closed
 // surface. Positions are floats relative to a voxel, whose position is the translation of the node. There are no
-// normals, which makes viewers show facets flat. Writes only the color of attributes, at the corners. Memory: 2
-// bytes for each voxel, 4 more with colors, and some 160 for each brick. Errors: RESOURCE_EXHAUSTED over the 4 GiB of a
-// .glb.
+// normals, which makes viewers show facets flat. Of the fields, it holds colors alone, at the corners. Memory: 2 bytes
+// for each voxel, 4 more with colors, and some 160 for each brick. Errors: RESOURCE_EXHAUSTED over the 4 GiB of a .glb.
 std::unique_ptr<Output> NewGlbOutput(std::unique_ptr<AtomicFile> file);
 
 }  // namespace latvox::client

@@ -15,8 +15,8 @@ namespace latvox::client {
 inline constexpr char kBoxesOnly[] =
     "the format holds boxes along the axes only; use --lattice cartesian, or .vtu for any lattice";
 
-// .vti: an image whose cells are the lattice points of a box, so the center of a cell is the position of its
-// voxel, and a filter such as Threshold shows the voxels as they are. Cell data: `data`, then the fields; see
+// .vti: an image whose cells are the lattice points of a box. So the center of a cell is the position of its voxel, and
+// a filter such as Threshold shows the voxels as they are. Cell data: `data`, then the fields; see
 // DenseFields. Without a box, it has one empty cell at lattice point 0.
 // Memory: 88 bytes for each brick, and the fields. Errors, before the first voxel: INVALID_ARGUMENT for a basis that is
 // not IsAlongAxes; RESOURCE_EXHAUSTED for an array of more than 2^32 bytes.

@@ -63,8 +63,8 @@ void AddChecksums(const Checksums& sums, HttpCall& call) {
   call.headers.push_back("x-amz-content-sha256: " + (sums.sha256.empty() ? "UNSIGNED-PAYLOAD" : hex));
 }
 
-// Returns the MD5 that the ETag is, as hexadecimal digits; "" if it is none: of objects in parts, of encryption with
-// keys of others, and of other servers than S3.
+// Returns the ETag if it is the object's MD5, in hexadecimal digits; otherwise "". The ETag is no MD5 for an object in
+// parts, for one encrypted with other keys than those of S3, and on other servers than S3.
 std::string Md5Of(const HttpAnswer& answer) {
   const std::string etag = absl::StrReplaceAll(answer.Header("etag"), {{"\"", ""}});
   const std::string encryption = answer.Header("x-amz-server-side-encryption");

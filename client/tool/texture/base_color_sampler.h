@@ -29,8 +29,8 @@ class BaseColorSampler {
     bool has_image = false;  // otherwise the colors of vertices count, and only opacity is new
   };
 
-  // Returns the base color at a point: factor times COLOR_0 of the corners, interpolated, times the image. The
-  // image counts as a mean over a rectangle: what a square of this edge in the triangle's plane becomes in the image.
+  // Returns the base color at a point: factor times COLOR_0 of the corners, interpolated, times the image. The image
+  // counts as a mean over a rectangle, onto which it maps a square of this edge in the triangle's plane.
   //   triangle   of the mesh
   //   weights    of its second and third corner
   //   edge       world units

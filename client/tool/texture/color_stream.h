@@ -34,9 +34,9 @@ class ColorStream {
   // Returns the batch for the outputs, which may be empty. It is valid until the next call.
   BrickBatch Convert(const BrickBatch& batch);
 
-  // Call it last. Writes counts and digests of the converted voxels. With an alpha cutoff, nothing is known
-  // about tunnels and minimality, whether or not voxels were left out: parts of a whole must say the same. If no voxel
-  // is left, the warning is EMPTY_RESULT.
+  // Call it last. Writes counts and digests of the converted voxels. With an alpha cutoff, nothing is known about
+  // tunnels and minimality, whether or not voxels were left out: parts of a whole must say the same. If no voxel is
+  // left, the warning is EMPTY_RESULT.
   void Finish(Summary& summary) const;
 
   uint64_t dropped() const { return dropped_; }
