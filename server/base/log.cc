@@ -1,22 +1,16 @@
 #include "server/base/log.h"
 
 #include <grpcpp/version_info.h>
-#include <spdlog/logger.h>
-#include <spdlog/pattern_formatter.h>
-#include <spdlog/sinks/base_sink.h>
+#include <spdlog/async.h>
+#include <spdlog/async_logger.h>
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <atomic>
-#include <chrono>
-#include <condition_variable>
-#include <cstdio>
-#include <deque>
 #include <memory>
-#include <mutex>
 #include <nlohmann/json.hpp>
 #include <string>
-#include <thread>
-#include <utility>
 #include <vector>
 
 #include "absl/strings/ascii.h"
@@ -37,61 +31,10 @@
 namespace latvox {
 namespace {
 
-// Writes lines to standard error on a thread of its own. That thread gathers lines for a moment before it writes them,
-// because each of its awakenings costs a small request a twentieth of its time.
-class GatheringSink final : public spdlog::sinks::base_sink<std::mutex> {
- public:
-  GatheringSink() : thread_([this] { Run(); }) {}
-  ~GatheringSink() override { Stop(); }
+constexpr size_t kQueuedLines = 8192;
 
-  // Writes the lines so far. Later ones are lost.
-  void Stop() {
-    {
-      const std::lock_guard lock(mutex_);
-      stopped_ = true;
-    }
-    changed_.notify_one();
-    if (thread_.joinable()) thread_.join();
-  }
-
- private:
-  static constexpr size_t kMostLines = 8192;
-  static constexpr auto kGather = std::chrono::milliseconds(5);
-
-  void sink_it_(const spdlog::details::log_msg& message) override {
-    if (stopped_) return;
-    spdlog::memory_buf_t line;
-    formatter_->format(message, line);
-    lines_.emplace_back(line.data(), line.size());
-    if (lines_.size() > kMostLines) lines_.pop_front();
-    if (lines_.size() == 1) changed_.notify_one();
-  }
-  void flush_() override {}
-
-  void Run() {
-    std::unique_lock lock(mutex_);
-    while (!stopped_ || !lines_.empty()) {
-      changed_.wait(lock, [this] { return stopped_ || !lines_.empty(); });
-      changed_.wait_for(lock, kGather, [this] { return stopped_; });
-      std::string text;
-      for (const std::string& line : std::exchange(lines_, {})) text += line;
-      lock.unlock();
-      std::fwrite(text.data(), 1, text.size(), stderr);
-      lock.lock();
-    }
-  }
-
-  // Guarded by mutex_, as is formatter_.
-  std::deque<std::string> lines_;
-  bool stopped_ = false;
-
-  std::condition_variable changed_;
-  std::thread thread_;  // last, because it uses the others
-};
-
-// From StartLog to StopLog.
+// Valid from StartLog to StopLog; spdlog owns it.
 std::atomic<spdlog::logger*> g_logger = nullptr;
-std::shared_ptr<GatheringSink> g_sink;
 // Set before g_logger.
 LogFormat g_format = LogFormat::kText;
 
@@ -171,16 +114,22 @@ void TakeLogOfGrpc() { gpr_set_log_function(&LogFromGrpc); }
 }  // namespace
 
 void StartLog(LogLevel level, LogFormat format) {
-  g_sink = std::make_shared<GatheringSink>();
-  // Kept forever: a thread may be about to use it when StopLog runs.
-  static auto* const kept = new std::vector<std::unique_ptr<spdlog::logger>>;
-  spdlog::logger& logger = *kept->emplace_back(std::make_unique<spdlog::logger>("latvoxd", g_sink));
-  logger.set_level(ToSpdlog(level));
-  logger.set_pattern(format == LogFormat::kJson ? R"({"time":"%Y-%m-%dT%H:%M:%S.%eZ","level":"%l",%v})"
-                                                : "time=%Y-%m-%dT%H:%M:%S.%eZ level=%l event=%v",
-                     spdlog::pattern_time_type::utc);
+  spdlog::init_thread_pool(kQueuedLines, 1);
+  auto logger =
+      std::make_shared<spdlog::async_logger>("latvoxd", std::make_shared<spdlog::sinks::stderr_sink_mt>(),
+                                             spdlog::thread_pool(), spdlog::async_overflow_policy::overrun_oldest);
+  logger->set_level(ToSpdlog(level));
+  logger->set_pattern(format == LogFormat::kJson ? R"({"time":"%Y-%m-%dT%H:%M:%S.%eZ","level":"%l",%v})"
+                                                 : "time=%Y-%m-%dT%H:%M:%S.%eZ level=%l event=%v",
+                      spdlog::pattern_time_type::utc);
+  logger->flush_on(spdlog::level::debug);
+  spdlog::set_default_logger(logger);
   g_format = format;
-  g_logger = &logger;
+  // Kept forever, without its queue: a thread may be about to use it when StopLog runs.
+  static auto* const kept = new std::vector<std::shared_ptr<spdlog::logger>>;
+  kept->push_back(logger);
+  logger->set_error_handler([](const std::string&) {});  // for lines after StopLog
+  g_logger = logger.get();
   TakeLogOfGrpc();
 }
 
@@ -190,14 +139,13 @@ void SetLogLevel(LogLevel level) {
 
 void StopLog() {
   g_logger = nullptr;
-  if (g_sink) g_sink->Stop();
+  spdlog::shutdown();
 }
 
 void Log(LogLevel level, absl::string_view event, const std::vector<LogField>& fields) {
   spdlog::logger* logger = g_logger;
   if (logger == nullptr || !logger->should_log(ToSpdlog(level))) return;
-  const std::string line = g_format == LogFormat::kJson ? JsonLine(event, fields) : TextLine(event, fields);
-  logger->log(ToSpdlog(level), spdlog::string_view_t(line.data(), line.size()));
+  logger->log(ToSpdlog(level), "{}", g_format == LogFormat::kJson ? JsonLine(event, fields) : TextLine(event, fields));
 }
 
 }  // namespace latvox

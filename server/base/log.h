@@ -34,8 +34,8 @@ struct LogField {
 };
 
 // Starts the log and its thread. Lines below `level` are dropped, as are all lines before StartLog and after StopLog.
-// A line is written some milliseconds later, together with others. No caller of Log waits for standard error; if that
-// is stuck, the oldest lines are lost. gRPC's own messages have level debug.
+// No caller of Log waits for standard error; if that is stuck, the oldest lines are lost. gRPC's own messages have
+// level debug.
 void StartLog(LogLevel level, LogFormat format);
 
 // Takes effect with the next line. Thread-safe between StartLog and StopLog.
