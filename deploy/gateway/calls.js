@@ -20,8 +20,9 @@ function protocolOf(type) {
 }
 
 class Call {
-  constructor(calls, request, response, bytes) {
-    Object.assign(this, { calls, response, bytes, bytesIn: 0, bytesOut: 0, error: null, start: performance.now() });
+  constructor(calls, request, response) {
+    // `bytes`: the room that its body has reserved.
+    Object.assign(this, { calls, response, bytes: 0, bytesIn: 0, bytesOut: 0, error: null, start: performance.now() });
     const type = request.headers['content-type'] ?? '',
       trace = /^00-([0-9a-f]{32})-/.exec(request.headers.traceparent ?? '');
     this.origin = {
@@ -98,7 +99,7 @@ export class Calls {
       { protocol } = this;
     const length = request.headers['content-length'],
       bytes = length === undefined ? mostBytes : Number(length);
-    const call = new Call(this, request, response, 0);
+    const call = new Call(this, request, response);
     const refused = () => {
       if (this.stopping) return protocol.error(Code.Unavailable, 'SERVER_STOPPING', 'the gateway stops', {}, 1);
       if (bytes > mostBytes) return protocol.limit('body', bytes, mostBytes, '--max-body');

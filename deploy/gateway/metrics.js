@@ -1,4 +1,5 @@
-// What Prometheus reads: calls, refusals, bytes, limits, and the process. Names and labels are like those of latvoxd.
+// The figures that Prometheus reads: calls, refusals, bytes, limits, and the process. Names and labels are like those of
+// latvoxd.
 import { Code } from '@connectrpc/connect';
 import http from 'node:http';
 import { collectDefaultMetrics, Counter, Gauge, Histogram, Registry } from 'prom-client';
@@ -62,7 +63,9 @@ export class Metrics {
   observe(gateway) {
     const { options, calls, upstreams, server } = gateway;
     const connections = () =>
-      new Promise((resolve) => server.getConnections((error, count) => resolve(error ? 0 : count)));
+      new Promise((resolve, reject) =>
+        server.getConnections((error, count) => (error ? reject(error) : resolve(count))),
+      );
     this.reading('calls_running', 'Calls in progress.', () => calls.running.size);
     this.reading('calls_max', '--max-calls.', () => options['max-calls']);
     this.reading('body_bytes', 'Bytes that calls in progress have reserved for their bodies.', () => calls.bytes);

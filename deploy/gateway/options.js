@@ -160,7 +160,7 @@ function read(name, sources) {
   }
 }
 
-// What must come together.
+// Throws an Error for an option that lacks the one that it needs, and for one that contradicts another.
 function check(options) {
   const needs = [
     ['tls-cert', 'tls-key'],
