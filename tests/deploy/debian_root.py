@@ -16,7 +16,7 @@ import time
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tests" / "e2e"))
 
-import harness  # noqa: E402
+from harness import await_true  # noqa: E402
 
 STATE = pathlib.Path(os.environ["LATVOX_BUILD_DIR"]) / "deploy"
 OWN_RELEASE = platform.freedesktop_os_release()["VERSION_CODENAME"]
@@ -58,13 +58,6 @@ def bootstrap(tar, *options, release=RELEASE):
     else:
         unfinished.unlink(missing_ok=True)
         skip(f"mmdebstrap cannot fetch Debian's packages here: {done.stderr.strip()[-500:]}")
-
-
-def await_true(what, true, seconds=harness.PATIENCE):
-    deadline = time.monotonic() + seconds
-    while not true():
-        assert time.monotonic() < deadline, what
-        time.sleep(0.05)
 
 
 # Without systemd in the root: /proc and processes of its own, and this machine's network, which apt needs.

@@ -1,4 +1,4 @@
-"""What the tests of the gateway share: requests, meshes that are stored, and answers that are not read."""
+"""The basis of the gateway's tests: requests, meshes that are stored, and answers that are not read."""
 
 import base64
 import json

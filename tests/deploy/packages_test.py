@@ -33,7 +33,7 @@ FILES = {
     "python3-latvox": {"/usr/lib/python3/dist-packages/latvox/__init__.py"},
 }  # fmt: skip
 METRICS = "import urllib.request as r; print(r.urlopen('http://127.0.0.1:9464/metrics').read().decode())"
-# What apt, dpkg, ldconfig and systemd keep for themselves after a package is gone.
+# Files that apt, dpkg, ldconfig and systemd keep for themselves after a package is gone.
 THEIRS = r"/var/(cache|log|lib/(apt|dbus|dpkg|systemd))/|/etc/(machine-id|ld\.so\.cache|\.pwd\.lock|hosts)|/(etc|var)/\.updated|.*/__pycache__"
 
 

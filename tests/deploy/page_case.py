@@ -1,4 +1,4 @@
-"""What the tests of the gateway's page share: one server, one gateway and one browser for all tests of a class.
+"""The basis of the tests of the gateway's page: one server, one gateway and one browser for all tests of a class.
 Screenshots are in gateway-page of the build directory."""
 
 import base64

@@ -9,7 +9,6 @@ import pathlib
 import re
 import shutil
 import socket
-import subprocess
 import tempfile
 import threading
 import unittest
@@ -22,7 +21,7 @@ from debian_root import OWN_RELEASE, ROOT, harness, run
 BUILD = pathlib.Path(os.environ["LATVOX_BUILD_DIR"])
 SCRIPT = ROOT / "deploy/packaging/tarball"
 GLIBC = {"bookworm": (2, 36), "trixie": (2, 41)}
-# What glibc's own package installs, of all that programs and libraries here ask for.
+# The libraries of glibc's own package, as far as programs and libraries here ask for them.
 GLIBCS = re.compile(r"(ld-linux-[\w-]+|libc|libm|libdl|librt|libpthread|libresolv|libutil|libmvec|libanl|libnss_\w+)\.so\.\d+")
 
 

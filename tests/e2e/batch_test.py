@@ -205,10 +205,7 @@ class Jobs(Batch):
     def test_a_private_server_that_dies_fails_its_jobs_and_another_does_the_others(self):
         jobs = self.jobs(LONG, *self.small(5))
         client = self.start(jobs, "--jobs", "1")
-        deadline = time.monotonic() + harness.PATIENCE
-        while not any(harness.unfinished_files(client.pid, self.out)):
-            self.assertLess(time.monotonic(), deadline, "the long job does not begin")
-            time.sleep(0.05)
+        harness.await_true("the long job does not begin", lambda: any(harness.unfinished_files(client.pid, self.out)))
         tasks = pathlib.Path(f"/proc/{client.pid}/task").iterdir()
         servers = [pid for task in tasks for pid in (task / "children").read_text().split()]
         self.assertEqual(len(servers), 1)

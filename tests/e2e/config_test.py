@@ -132,7 +132,7 @@ WRONG_WORDS = {
     "SECONDS": ["many", "-1", "nan", "inf", "86401", "1s", "1,2"],
     "words": ["no such word"],
 }
-# What is no TOML at all, and the line of the error.
+# Texts that are no TOML at all, and the line of the error.
 NO_TOML = [
     (b'listen = ["127.0.0.1:1"', 1),
     (b'log-level = "info"\nlisten = ["127.0.0.1:1",\n"127.0.0.1:2"\n', 3),

@@ -100,6 +100,15 @@ def server(directory, *options):
         process.wait()
 
 
+def await_true(fault, condition, seconds=PATIENCE):
+    """Waits until condition() is true, and returns its value. Fails with the text `fault` if it stays false."""
+    deadline = time.monotonic() + seconds
+    while not (value := condition()):
+        assert time.monotonic() < deadline, fault
+        time.sleep(0.01)
+    return value
+
+
 def await_log(directory, pattern, count=1):
     """Waits for the count-th match in the log of the server in `directory`. Returns its first group, or all of it."""
     deadline = time.monotonic() + PATIENCE

@@ -1,4 +1,4 @@
-"""What a killed program leaves behind: nothing that stays, and never a part of a file. Equal jobs write equal files."""
+"""A killed program leaves nothing behind that stays, and never a part of a file. Equal jobs write equal files."""
 
 import contextlib
 import hashlib
@@ -18,7 +18,7 @@ KILLS = 12
 
 
 def hashes(directory):
-    """Of all files, except those that a kill between the two last steps of a replacement leaves."""
+    """Returns name -> hash of all files, except those that a kill between the two last steps of a replacement leaves."""
     paths = [path for path in directory.iterdir() if not path.match(".latvox-*.part")]
     return {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in paths}
 
@@ -85,10 +85,8 @@ class Leftovers(Case):
             self.addCleanup(process.wait)
             self.addCleanup(process.kill)
             self.addCleanup(process.stdin.close)
-        deadline = time.monotonic() + harness.PATIENCE
-        while len(list(self.runtime.iterdir())) < 4:  # a directory of its file, and one of its server, each
-            self.assertLess(time.monotonic(), deadline)
-            time.sleep(0.01)
+        # A directory of its file, and one of its server, each.
+        harness.await_true("the programs do not make their directories", lambda: len(list(self.runtime.iterdir())) == 4)
         time.sleep(0.5)  # both have their locks
         dead.kill()
         dead.wait()

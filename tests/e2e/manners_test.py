@@ -1,12 +1,11 @@
 """The shortest commands: outputs without a name, standard output, lines about odd sizes."""
 
 import os
-import pathlib
 import shutil
 import subprocess
 import unittest
 
-from harness import BIN, BUNNY, PATIENCE, Case, await_log, latvox, octahedron, server, write_obj
+from harness import BIN, PATIENCE, Case, await_log, latvox, octahedron, server, write_obj
 
 
 class Manners(Case):

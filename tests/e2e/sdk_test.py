@@ -7,7 +7,6 @@ import pathlib
 import re
 import subprocess
 import tempfile
-import time
 import unittest
 
 import harness
@@ -167,14 +166,9 @@ class Sdk(TlsCase):
         program = subprocess.Popen([self.sdk / "build/mesh_file", BUNNY, "5000"], stdout=subprocess.DEVNULL, env=PRIVATE)
         self.addCleanup(program.wait)
         self.addCleanup(program.kill)
-        limit = time.monotonic() + harness.PATIENCE
-        while not (servers := [child for child in children(program.pid) if is_latvoxd(child)]):
-            self.assertLess(time.monotonic(), limit, "no server")
-            time.sleep(0.01)
+        servers = harness.await_true("no server", lambda: [child for child in children(program.pid) if is_latvoxd(child)])
         program.kill()
-        while any(map(is_latvoxd, servers)):
-            self.assertLess(time.monotonic(), limit, "the server goes on")
-            time.sleep(0.01)
+        harness.await_true("the server goes on", lambda: not any(map(is_latvoxd, servers)))
 
     def test_a_program_is_tested_without_a_server(self):
         self.assertEqual(self.output("fake_server"), "passed\n")

@@ -1,4 +1,4 @@
-"""What latvoxd tells systemd, heard by a socket in its place: ready, reloading, alive, stopping."""
+"""The messages of latvoxd to systemd, heard by a socket in its place: ready, reloading, alive, stopping."""
 
 import os
 import pathlib

@@ -13,7 +13,6 @@ import threading
 import unittest
 
 import harness
-import object_store
 from harness import BIN, BUNNY, Case, latvox, octahedron, write_obj
 from object_relay import FAULTS, Relay
 from object_store import KEY, SECRET, ObjectStore, presign
@@ -352,7 +351,7 @@ class Errors(Stores):
             ({"mesh": "https://me:pa55@example.invalid/a.obj", "resolution": 8}, "user or password"),
             ({"mesh": [url, 7], "resolution": 8}, "a path or a URL"),
             ({"mesh": "gs://bucket/a.obj?s=hidden", "resolution": 8}, "not file, https, http or s3"),
-            ({"mesh": url, "resolution": "hidden" and url, "out": "a.csv"}, "is not a number"),
+            ({"mesh": url, "resolution": url, "out": "a.csv"}, "is not a number"),
         ):
             done = self.batch([job], code=BAD_INPUT)
             self.assertIn(words, done.stderr)

@@ -3,14 +3,10 @@ plain text."""
 
 import contextlib
 import os
-import re
-import shutil
 import signal
 import socket
 import ssl
 import subprocess
-import threading
-import time
 import unittest
 
 import harness
@@ -265,10 +261,7 @@ class Health(TlsCase):
         command = ["voxelize", BUNNY, "-o", self.dir / "long.csv", "--lattice", "bcc", "--resolution", 30000, "--server", address]
         with subprocess.Popen([BIN / "latvox", *map(str, command)], stderr=subprocess.DEVNULL) as process:
             try:
-                deadline = time.monotonic() + harness.PATIENCE
-                while not any(harness.unfinished_files(process.pid, self.dir)):
-                    self.assertLess(time.monotonic(), deadline, "the job does not begin")
-                    time.sleep(0.05)
+                harness.await_true("the job does not begin", lambda: any(harness.unfinished_files(process.pid, self.dir)))
                 yield
             finally:
                 process.kill()

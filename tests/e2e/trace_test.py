@@ -2,7 +2,6 @@
 
 import json
 import os
-import time
 import unittest
 
 import harness
@@ -37,10 +36,8 @@ class Trace(Case):
         before = len(self.requests())
         done = latvox(*words, env=os.environ | environment)
         self.assertEqual(done.returncode, OK, done.stderr)
-        deadline = time.monotonic() + harness.PATIENCE
-        while not (lines := [line for line in self.requests()[before:] if line["method"] == method]):
-            self.assertLess(time.monotonic(), deadline, "no line of the call in the log")
-            time.sleep(0.02)
+        found = lambda: [line for line in self.requests()[before:] if line["method"] == method]
+        lines = harness.await_true("no line of the call in the log", found)
         self.assertEqual(len(lines), 1)
         if "trace_id" not in lines[0]:
             self.assertNotIn("span_id", lines[0])

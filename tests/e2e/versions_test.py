@@ -1,4 +1,4 @@
-"""What programs and server say about their origin: version, commit, libraries."""
+"""Programs and server tell their origin: version, commit, libraries."""
 
 import json
 import os

@@ -15,7 +15,7 @@ import numpy
 import pyopenvdb
 
 from browser import Browser, Tab, decode
-from harness import BUNNY, PATIENCE, Case, children, latvox, octahedron, rows, write_obj
+from harness import BUNNY, PATIENCE, Case, await_true, children, latvox, octahedron, rows, write_obj
 from picture_test import LATTICES, write_octahedron
 from silhouettes import CELLS, places, silhouette, write_shape
 
@@ -86,7 +86,7 @@ class View(OnPage):
     def open(self, place):
         self.tab.open(f"file://{self.page}{place}")
         self.assertEqual(self.tab.complaints(), [])
-        # What lies over the canvas would be taken for voxels.
+        # The test would take anything over the canvas for voxels.
         self.tab.run("for (const name of ['axes', 'tools', 'said']) document.getElementById(name).style.visibility = 'hidden'")
 
     def canvas(self):
@@ -309,10 +309,7 @@ class View(OnPage):
         # The saved picture is what the page shows.
         self.browser.call("Browser.setDownloadBehavior", behavior="allow", downloadPath=str(self.dir))
         click("save")
-        deadline = time.monotonic() + PATIENCE
-        while not (self.dir / "a.png").exists():
-            assert time.monotonic() < deadline, "no picture"
-            time.sleep(0.02)
+        await_true("no picture", (self.dir / "a.png").exists)
         self.assertEqual(abs(decode((self.dir / "a.png").read_bytes()).astype(int) - without).max(), 0)
 
     def test_a_band_is_cut_open_and_colored_by_distance(self):

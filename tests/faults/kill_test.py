@@ -4,7 +4,6 @@ import os
 import random
 import signal
 import threading
-import time
 import unittest
 
 import stage

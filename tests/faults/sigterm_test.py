@@ -1,11 +1,9 @@
 """SIGTERM under load: no client is let down, and the server ends."""
 
 import signal
-import threading
 import time
 import unittest
 
-import stage
 from haproxy import haproxy
 from stage import FULL, Faults, Server, Swarm, harness, latvox, tally
 

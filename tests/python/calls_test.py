@@ -37,13 +37,6 @@ def servers_of(pid):
     return found
 
 
-def await_true(condition, seconds=20):
-    deadline = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < deadline
-        time.sleep(0.02)
-
-
 def ended(pid):
     try:
         return pathlib.Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] == "Z"
@@ -283,7 +276,7 @@ def test_a_killed_process_leaves_no_server(run):
     assert process.stdout.readline() == "ready\n"
     (server,) = servers_of(process.pid)
     process.kill()
-    await_true(lambda: ended(server))
+    harness.await_true("the server goes on", lambda: ended(server))
 
 
 def test_a_process_that_ends_leaves_no_server(run):
@@ -291,7 +284,7 @@ def test_a_process_that_ends_leaves_no_server(run):
     process.stdout.readline()
     (server,) = servers_of(process.pid)
     process.communicate()
-    await_true(lambda: ended(server))
+    harness.await_true("the server goes on", lambda: ended(server))
 
 
 FORKED = """

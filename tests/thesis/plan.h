@@ -1,4 +1,4 @@
-// What a run measures: everything, or for --quick a few angles and resolutions.
+// The measurements of a run: everything, or for --quick a few angles and resolutions.
 #ifndef LATVOX_TESTS_THESIS_PLAN_H_
 #define LATVOX_TESTS_THESIS_PLAN_H_
 
