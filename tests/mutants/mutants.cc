@@ -17,11 +17,9 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <charconv>
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -35,6 +33,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "client/mesh_files/mesh_source.h"
 #include "client/tool/cli/commands.h"
@@ -63,7 +62,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Of one mutant. The limit of addresses is not for files of grids: their reader has one of its own.
+// Limits of one mutant. That of addresses is not for files of grids: their reader has one of its own.
 constexpr rlim_t kMemory = rlim_t{4} << 30;
 constexpr unsigned kSeconds = 100;
 constexpr uint64_t kMemoryOfCopy = uint64_t{256} << 20;
@@ -122,9 +121,9 @@ absl::Status Draw(const std::string& path, const std::string&) { return ReadCurv
 
 absl::Status Jobs(const std::string& path, const std::string&) {
   std::ifstream file(path);
-  const JobParser parser("/", "/");
+  JobParser parser("/", "/");
   absl::Status first;
-  for (std::string line; std::getline(file, line);) first.Update(const_cast<JobParser&>(parser).Parse(line).status());
+  for (std::string line; std::getline(file, line);) first.Update(parser.Parse(line).status());
   return first;
 }
 
@@ -268,7 +267,7 @@ int StatusOfReader(const Reader& reader, const std::string& path, const std::str
   }
 }
 
-// What became of one mutant.
+// The end of one mutant's process, and its cost.
 struct Trial {
   int status = -1;  // by wait4; -1: no process could be started
   double seconds = 0;
@@ -355,10 +354,12 @@ int TryMutantsOf(const fs::path& whole, int count, uint64_t seed, const fs::path
   return row.bad;
 }
 
-int Number(const char* text) { return std::atoi(text); }
-
 int Main(int argc, char** argv) {
-  if (argc != 5) return 2;
+  int count = 0;
+  uint64_t seed = 0;
+  if (argc != 5 || !absl::SimpleAtoi(argv[2], &count) || !absl::SimpleAtoi(argv[3], &seed)) {
+    return std::fputs("usage: latvox_mutants FOLDER COUNT SEED BAD\n", stderr), 2;
+  }
   // Each copy of this process would take longer to load it than to read a file.
   if (const auto vdb = Vdb::Load(); !vdb.ok()) return std::puts(vdb.status().ToString().c_str()), 2;
   const fs::path bad = argv[4];
@@ -368,8 +369,7 @@ int Main(int argc, char** argv) {
   std::sort(files.begin(), files.end());
   std::printf("| file | mutants | refused | bad | seconds | slowest | MiB |\n|---|---|---|---|---|---|---|\n");
   int wrong = 0;
-  for (const fs::path& file : files)
-    wrong += TryMutantsOf(file, Number(argv[2]), static_cast<uint64_t>(Number(argv[3])), bad);
+  for (const fs::path& file : files) wrong += TryMutantsOf(file, count, seed, bad);
   return wrong == 0 && !files.empty() ? 0 : 1;
 }
 

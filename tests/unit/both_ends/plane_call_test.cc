@@ -178,7 +178,7 @@ TEST_F(PixelizeCall, CountsInTheServersMemoryBudgetAndLeavesNothingThere) {
   EXPECT_EQ(client::GetErrorDetails(refused).field, "memory");
 }
 
-TEST_F(PixelizeCall, OneOfEveryPolylineOfOnePointFitsIntoAMessage) {
+TEST_F(PixelizeCall, AsManyPolylinesOfOnePointAsPointsAreAllowedFitIntoAMessage) {
   options_.limits.max_message_bytes = 1 << 15;
   Start();
   client::PixelizeRequest request;
@@ -315,7 +315,7 @@ TEST(PixelizePolylines, ReservesMemoryBeforeItUsesIt) {
   MemoryBudget budget(uint64_t{1} << 30), small(uint64_t{1} << 20);
   MemoryReservation memory(budget), too_little(small);
   ASSERT_TRUE(PixelizePolylines(request, {}, memory, StopSignal(), facts).ok());
-  EXPECT_GT(memory.bytes(), 50000 * sizeof(Vec2i) * 3) << "both ends of an edge, and the nearer one";
+  EXPECT_GT(memory.bytes(), 50000 * sizeof(Vec2i) * 3) << "both ends of a link, and the nearer one";
 
   const absl::Status never = PixelizePolylines(request, {}, too_little, StopSignal(), facts).status();
   EXPECT_EQ(never.code(), absl::StatusCode::kResourceExhausted);

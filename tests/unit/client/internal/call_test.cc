@@ -116,7 +116,7 @@ TEST(Call, SendsTheSpecFirstThenTheMeshInPiecesOfAtMostOneMebibyte) {
   std::string mesh;
   Answers answers(kMesh.size());
   answers.summary.mutable_summary()->mutable_certificate()->set_set("interior");
-  const Fake fake([&](grpc::ServerContext* context, Stream* stream) {
+  const Fake fake([&](grpc::ServerContext*, Stream* stream) {
     v1::VoxelizeRequest request;
     EXPECT_TRUE(stream->Read(&request) && request.has_spec());
     spec = request.spec();
@@ -125,7 +125,6 @@ TEST(Call, SendsTheSpecFirstThenTheMeshInPiecesOfAtMostOneMebibyte) {
       EXPECT_LE(request.mesh_piece().size(), size_t{1} << 20);
       mesh += request.mesh_piece();
     }
-    (void)context;
     for (const auto& answer : answers.All()) stream->Write(answer);
     return grpc::Status::OK;
   });

@@ -1,4 +1,4 @@
-// What a glTF scene makes of its meshes: instances, mirror images, colors, morph targets and skins.
+// The meshes of a glTF scene as it places them: instances, mirror images, colors, morph targets and skins.
 #include <gmock/gmock.h>
 
 #include <algorithm>

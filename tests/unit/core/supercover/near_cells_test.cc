@@ -66,7 +66,7 @@ TEST(NearCells, EachTriangleAloneIsCovered) {
   }
 }
 
-// What the scan decides by itself, second voxels included, is in the supercover.
+// All voxels that the scan decides by itself, second ones included, are in the supercover.
 TEST(NearCells, TheScanDecidesOnlyForVoxelsOfTheSupercover) {
   std::mt19937 random(23);
   constexpr int32_t kSide = 128, kMargin = 8;

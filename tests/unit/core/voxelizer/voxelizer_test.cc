@@ -21,7 +21,7 @@
 namespace latvox {
 namespace {
 
-TEST(Pipeline, CoversEveryCrossedEdgeAndKeepsNoRedundantVoxelOnSoups) {
+TEST(Pipeline, CoversEveryCrossedLinkAndKeepsNoRedundantVoxelOnSoups) {
   constexpr unsigned kSeed = 99;
   std::mt19937 random(kSeed);
   std::uniform_real_distribution<float> coordinate(0, 80);
