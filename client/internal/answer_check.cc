@@ -32,6 +32,16 @@ bool IsUsable(const GridTransform& grid) {
          std::isfinite(grid.voxel_size) && grid.voxel_size > 0;
 }
 
+// wire.h would read an unknown kind as none: as proof that the point is enclosed.
+absl::Status CheckLeaks(const v1::WalkFacts& walk) {
+  const auto is_known = [](const auto& facts) {
+    const v1::LeakKind kind = facts.leak().kind();
+    return !facts.has_leak() || (v1::LeakKind_IsValid(kind) && kind != v1::LEAK_KIND_UNSPECIFIED);
+  };
+  return is_known(walk) && std::ranges::all_of(walk.labels(), is_known) ? absl::OkStatus()
+                                                                        : Broken("a leak of an unknown kind");
+}
+
 Vec3i TileOf(const Vec3i& brick_ijk) {
   return {brick_ijk[0] >> kTileBitsInBricks, brick_ijk[1] >> kTileBitsInBricks, brick_ijk[2] >> kTileBitsInBricks};
 }
@@ -101,7 +111,7 @@ absl::Status AnswerCheck::ReceiveAccepted(const v1::Accepted& message) {
   if (!IsUsable(accepted_->grid)) return Broken("the grid is not finite or is singular");
   if (const auto& box = accepted_->index_box) {
     for (size_t m = 0; m < 3; ++m) {
-      if (box->min[m] >= box->max[m]) return Broken("index_box is empty on axis ", m);
+      if (box->min[m] >= box->max[m]) return Broken("index_box is empty on axis ", std::string(1, "ijk"[m]));
     }
   }
   if (auto status = CheckNeighbors(); !status.ok()) return status;
@@ -340,6 +350,7 @@ absl::Status AnswerCheck::ReceiveSummary(const v1::Summary& message) {
   }
   if (tile_continues_) return Broken("a summary before the end of a tile");
   status = CheckSet(summary.certificate);
+  status.Update(CheckLeaks(message.certificate().walk()));
   status.Update(CheckFields(summary.certificate));
   if (!status.ok()) return status;
   Tally all = before_;

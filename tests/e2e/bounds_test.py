@@ -145,7 +145,7 @@ class Bounds(Case):
         self.assertEqual([warning["code"] for warning in json.loads(line)["summary"]["warnings"]], ["EMPTY_RESULT"])
 
     def test_bad_bounds_are_refused(self):
-        for bounds, says in (("0,0,0,1,1", "6 finite numbers"), ("0,0,1,1,1,0", "0 is below 1 on axis 2")):
+        for bounds, says in (("0,0,0,1,1", "6 finite numbers"), ("0,0,1,1,1,0", "0 is below 1 on axis z")):
             done = latvox("voxelize", BUNNY, "-o", self.dir / "o.vdb", "--resolution", 9, "--bounds", bounds)
             self.assertEqual(done.returncode, 2)
             self.assertIn("--bounds", done.stderr)

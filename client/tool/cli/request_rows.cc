@@ -32,7 +32,7 @@ WrongWord CheckRegion(const std::string& text) {
   ParseNumbers(text, box);
   for (size_t m = 0; m < 3; ++m) {
     if (box[m] >= box[m + 3]) {
-      return {absl::StrCat("\"", text, "\" is empty: ", box[m + 3], " does not exceed ", box[m], " on axis ",
+      return {absl::StrCat("\"", text, "\" is empty: ", box[m + 3], " does not exceed ", box[m], " on lattice axis ",
                            absl::string_view("ijk").substr(m, 1)),
               absl::StrCat(box[m + 3]), absl::StrCat(box[m])};
     }

@@ -77,5 +77,21 @@ TEST(WalkCall, TheWarningNamesEightLabelsThatEncloseNothingAndCountsTheOthers) {
   EXPECT_THAT(messages({0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0}), ElementsAre("part 0, 2, 3, 4, 5, 6, 7, 8 and 2 more"));
 }
 
+TEST(WalkCall, AnUnknownKindOfLeakIsNotReadAsNone) {
+  const auto call = [](int kind, bool of_label) {
+    Answers answers = AnswersWith({1});
+    v1::WalkFacts& walk = *answers.summary.mutable_summary()->mutable_certificate()->mutable_walk();
+    v1::Leak& leak = of_label ? *walk.mutable_labels(0)->mutable_leak() : *walk.mutable_leak();
+    leak.set_kind(static_cast<v1::LeakKind>(kind));
+    return Fake(Send(answers.All())).client().VoxelizeAll(Labeled(), kMesh);
+  };
+  for (const bool of_label : {false, true}) {
+    EXPECT_TRUE(call(v1::LEAK_KIND_NONE, of_label).ok());
+    for (const int kind : {0, 99}) {
+      EXPECT_THAT(std::string(call(kind, of_label).status().message()), HasSubstr("a leak of an unknown kind"));
+    }
+  }
+}
+
 }  // namespace
 }  // namespace latvox::client

@@ -277,7 +277,7 @@ TEST(Options, RefusalsOfLatticesNameOptionValueAndLimit) {
 }
 
 TEST(Options, RefusalsOfPartsNameOptionValueAndLimit) {
-  Refuses({"--resolution", "9", "--region", "0,0,0,0,1,1"}, {"--region", "axis i"});
+  Refuses({"--resolution", "9", "--region", "0,0,0,0,1,1"}, {"--region", "lattice axis i"});
   Refuses({"--resolution", "9", "--region", "0,0,0,9999999999,1,1"}, {"--region", "32-bit"});
   Refuses({"--resolution", "9", "--bounds", "0,2,0,1,1,1"}, {"--bounds", "1 is below 2 on axis y"});
   Refuses({"--resolution", "9", "--bounds", "0,0,0,1,inf,1"}, {"--bounds", "6 finite numbers"});
