@@ -11,6 +11,7 @@
 #include "absl/strings/str_format.h"
 #include "core/brick/tile_order.h"
 #include "core/solid/balance.h"
+#include "core/solid/crossing_triangles.h"
 #include "core/solid/labeled_interior.h"
 #include "core/tile/cut_out.h"
 
@@ -84,18 +85,20 @@ bool HasAxes(const std::vector<Frame>& frames) {
 
 SolidTiles::SolidTiles() : bits_(LayoutOf({}).Words()) {}
 
-// Gives each tile the triangles with bounding boxes that meet the box around its lattice points.
+// Gives each tile the triangles that may cross a line along an axis, and whose bounding boxes meet the box around its
+// lattice points.
 void SolidTiles::Sort(const SnappedMesh& mesh, const TileNode& node, StopSignal stop) {
   constexpr int kTileUnitBits = kSubvoxelBits + kTileBits;
   triangles_.resize(size_t{1} << 3 * node.level);
   for (std::vector<uint32_t>& list : triangles_) list.clear();
-  for (const uint32_t t : node.triangles) {
+  FindCrossing(mesh, node.triangles, stop, crossing_);
+  for (const uint32_t t : crossing_) {
     if (stop.Stopped()) return;
     const auto& [a, b, c] = mesh.triangles[t];
     const Vec3i &va = mesh.vertices_lat[a], &vb = mesh.vertices_lat[b], &vc = mesh.vertices_lat[c];
     Vec3i first, last;
     for (size_t m = 0; m < 3; ++m) {
-      const auto [least, most] = std::minmax({va[m], vb[m], vc[m]});
+      const int32_t least = std::min(std::min(va[m], vb[m]), vc[m]), most = std::max(std::max(va[m], vb[m]), vc[m]);
       first[m] = std::max(((least + kLatticeUnit - 1) >> kTileUnitBits) - node.tile_ijk[m], 0);
       last[m] = std::min((most >> kTileUnitBits) - node.tile_ijk[m], (1 << node.level) - 1);
     }
@@ -125,7 +128,7 @@ TileBricks SolidTiles::CutOut(const TileContext& context, const Interior& interi
 }
 
 size_t SolidTiles::Bytes() const {
-  size_t bytes = BytesOf(triangles_) + rows_.Bytes() + bits_.Bytes();
+  size_t bytes = BytesOf(crossing_) + BytesOf(triangles_) + rows_.Bytes() + bits_.Bytes();
   for (const std::vector<uint32_t>& list : triangles_) bytes += BytesOf(list);
   return bytes;
 }

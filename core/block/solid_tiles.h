@@ -66,6 +66,7 @@ class SolidTiles {
   size_t Bytes() const;
 
  private:
+  std::vector<uint32_t> crossing_;                // of the node's triangles
   std::vector<std::vector<uint32_t>> triangles_;  // of each tile
   InteriorRows rows_;
   TileBits bits_;  // for a tile alone

@@ -24,7 +24,7 @@ class NearNumbers {
 
   // Begins a cube. Once stopped, the result is meaningless. The plan must live while this is used.
   //   plan        with near_reach
-  //   triangles   all that come within that reach of the cube's lattice points, and maybe others
+  //   triangles   all that come within that reach of the cube's lattice points, and maybe others; must live as well
   //   low         the cube's lowest point, local
   void Begin(const SnappedMesh& mesh, const FieldPlan& plan, std::span<const uint32_t> triangles, const Vec3i& low,
              StopSignal stop);
@@ -52,12 +52,15 @@ class NearNumbers {
   static constexpr size_t kMostKinds = 32;
   static constexpr uint8_t kMixed = 255;  // the kind of triangles whose corners differ
 
-  // Which slabs of cells along each axis a triangle comes near: bits 0 to 7 along i, 8 to 15 along j, 16 to 23 along k.
-  // A cell is near if its three slabs are.
-  struct Placed {
-    uint32_t slabs;
-    uint32_t triangle;
+  // Triangles that follow each other in the list, and come near the same slabs of cells along each axis: bits 0 to 7
+  // along i, 8 to 15 along j, 16 to 23 along k. A cell is near if its three slabs are. Small triangles that follow each
+  // other mostly are neighbors, so their runs are long. Bits 24 to 31 are the number of triangles below 1.
+  struct Run {
+    uint32_t slabs_and_more;
+    uint32_t first;  // its place in the list
   };
+  static constexpr int kMoreShift = 3 * kSide;
+  static constexpr uint32_t kMostMore = 255;
 
   // The cells of a row, a byte for each: the bits that any or all of the kinds nearby have. They are equal if there is
   // one kind. Kinds are 1 and more.
@@ -75,7 +78,17 @@ class NearNumbers {
     return true;
   }
   uint8_t KindOf(const std::array<uint32_t, 3>& corners);
-  static void Keep(const std::vector<Placed>& from, int slab, std::vector<Placed>& kept);
+  uint8_t NewKind(const std::array<uint32_t, 3>& corners);
+  void AddToRun(uint32_t slabs, uint32_t place);
+  // What was marked last: cells, as the kernel numbers them, and the numbers of its kind; null if it is kMixed.
+  struct Marked {
+    uint32_t cells;
+    uint32_t slabs = 0;
+    const uint32_t* numbers = nullptr;
+  };
+  Marked Mark(uint32_t cells, uint8_t kind);
+  bool HasNumbers(const std::array<uint32_t, 3>& corners, const uint32_t* numbers) const;
+  static void Keep(const std::vector<Run>& from, int slab, std::vector<Run>& kept);
 
   const int cell_bits_;
   const uint32_t* numbers_ = nullptr;  // of vertices, count_ of each
@@ -84,7 +97,8 @@ class NearNumbers {
   std::vector<uint32_t> kinds_;            // for each kind, a vertex that has its numbers
   uint8_t last_kind_ = kMixed;             // of a triangle
   std::array<int32_t, 2> of_row_{-1, -1};  // i and j of row_
-  std::vector<Placed> all_, slab_, row_;   // slab_: near the slab of i; row_: also near that of j
+  std::span<const uint32_t> triangles_;
+  std::vector<Run> all_, slab_, row_;  // slab_: near the slab of i; row_: also near that of j
   std::vector<uint32_t> near_;
 };
 

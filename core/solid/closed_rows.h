@@ -20,7 +20,7 @@ class ClosedRows {
   // Finds the points of the tile with this lowest point, local. Once stopped, they are meaningless, and the memory of
   // `rows` must not be used again.
   //   at_corner   the sum at the lowest point
-  //   triangles   all that meet the box around the tile's lattice points
+  //   triangles   as for Interior::Find
   static void Find(const SnappedMesh& mesh, InteriorRule rule, const Vec3i& low, int32_t at_corner,
                    std::span<const uint32_t> triangles, StopSignal stop, InteriorRows& rows);
 

@@ -57,7 +57,7 @@ class InteriorRows {
 class Interior : public FilledTiles {
  public:
   // Finds the points of a tile (local) that meets the region. Rows for points outside of the region are meaningless.
-  //   triangles   all that meet the box around its lattice points; more do no harm
+  //   triangles   all that cross a line along an axis, between its lattice points; more do no harm
   virtual void Find(const Vec3i& tile_ijk, std::span<const uint32_t> triangles, InteriorRows& rows) const = 0;
 };
 

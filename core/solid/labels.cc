@@ -48,23 +48,24 @@ std::vector<uint16_t> Rank(std::span<const uint32_t> priority, std::vector<uint3
 absl::StatusOr<Labels> MakeLabels(const SnappedMesh& mesh, const LabelRequest& request,
                                   std::span<const uint32_t> of_vertices, size_t stride, size_t place, StopSignal stop) {
   Labels labels{request.field, {}, {}};
-  labels.of_triangles.reserve(mesh.triangles.size());
+  labels.of_triangles.resize(mesh.triangles.size());
   absl::flat_hash_map<uint32_t, uint16_t> places;  // in labels.numbers
   uint32_t last = kNoLabel;                        // triangles of a label mostly follow each other
+  constexpr size_t kPiece = 4096;                  // triangles between two looks at the stop signal
+  const auto number = [numbers = of_vertices.data() + place, stride](uint32_t v) { return numbers[v * stride]; };
   for (size_t t = 0; t < mesh.triangles.size(); ++t) {
-    if (stop.Stopped()) return labels;
+    if (t % kPiece == 0 && stop.Stopped()) return labels;
     const auto& [a, b, c] = mesh.triangles[t];
-    const auto number = [&](uint32_t vertex) { return of_vertices[vertex * stride + place]; };
-    const uint32_t label = std::min({number(a), number(b), number(c)});
+    const uint32_t label = std::min(std::min(number(a), number(b)), number(c));
     if (label == last) {
-      labels.of_triangles.push_back(labels.of_triangles.back());
+      labels.of_triangles[t] = labels.of_triangles[t - 1];
       continue;
     }
     last = label;
     const auto [found, is_new] = places.try_emplace(label, static_cast<uint16_t>(places.size()));
     if (is_new) labels.numbers.push_back(label);
     if (labels.numbers.size() > request.most) return TooMany(request);
-    labels.of_triangles.push_back(found->second);
+    labels.of_triangles[t] = found->second;
   }
   const std::vector<uint16_t> ranks = Rank(request.priority, labels.numbers);
   for (uint16_t& rank : labels.of_triangles) rank = ranks[rank];

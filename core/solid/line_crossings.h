@@ -100,9 +100,11 @@ auto FindLineCrossings(const SnappedMesh& mesh, const IndexBox& region, StopSign
     for (size_t n = numbers.begin(); n < numbers.end(); ++n) {
       for (size_t t = n * kChunk; t < std::min(count, (n + 1) * kChunk); ++t) {
         const Triangle triangle = mesh.TriangleAt(t);
-        const auto [low, high] = std::minmax({triangle[0][1], triangle[1][1], triangle[2][1]});
+        const int32_t low = std::min(std::min(triangle[0][1], triangle[1][1]), triangle[2][1]);
+        const int32_t high = std::max(std::max(triangle[0][1], triangle[1][1]), triangle[2][1]);
         const int64_t last = std::min(int64_t{high >> kUnitBits}, lines.b.last);
-        for (int64_t j = std::max(int64_t{low >> kUnitBits}, lines.b.first); j <= last && !stop.Stopped(); j += kRows) {
+        const int64_t first = (int64_t{low} + (int64_t{1} << kUnitBits) - 1) >> kUnitBits;  // mostly beyond `last`
+        for (int64_t j = std::max(first, lines.b.first); j <= last && !stop.Stopped(); j += kRows) {
           ForEachAxisCrossing<kUnitBits>(triangle, 2, {lines.a, {j, std::min(j + kRows - 1, last)}},
                                          [&](int32_t i, int32_t line_j, int32_t above, int32_t turn) {
                                            parts[n].push_back(make(t, LineCrossing::Make(i, line_j, above, turn)));
