@@ -2,40 +2,58 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
 
 #include "core/brick/brick.h"
 
 namespace latvox {
+namespace {
+
+constexpr size_t kMostOfRow = 1 + 3 * size_t{kTileSide};
+
+// Writes a row as PackedPieces has it, and returns its size.
+size_t PackRow(std::span<const FreeRun> runs, int32_t halo, uint8_t* out) {
+  size_t size = 1;
+  for (const FreeRun& run : runs) {
+    const int32_t first = std::max(run.first - halo, 0), last = std::min(run.last - halo, kTileSide - 1);
+    if (first > last) continue;
+    out[size] = static_cast<uint8_t>(first);
+    out[size + 1] = static_cast<uint8_t>(last);
+    out[size + 2] = static_cast<uint8_t>(run.piece);
+    size += 3;
+  }
+  out[0] = static_cast<uint8_t>(1 + size / 3);
+  return size;
+}
+
+}  // namespace
+
+// Plane by plane. Each plane's first row is packed in full.
 PackedPieces Pack(const HaloBox& box, const RowPieces& pieces) {
   PackedPieces packed;
   if (pieces.count() > UINT8_MAX) return packed;
   packed.reserve(size_t{8} << 10);
-  size_t before = 0;  // the begin of the last row that did not repeat
-  std::array<uint8_t, 1 + 3 * kTileSide> row;
-  for (size_t n = 0; n < size_t{kTileSide} * kTileSide; ++n) {
-    if (n % kTileSide != 0 && pieces.Repeats(box.RowOfTile(n))) {
-      packed.push_back(0);
-      continue;
+  std::array<uint8_t, kMostOfRow * kTileSide> plane;
+  for (size_t i = 0; i < kTileSide; ++i) {
+    const size_t first = box.RowOfTile(i * kTileSide);
+    const uint8_t* const repeats = &pieces.repeats()[first];
+    uint8_t *end = plane.data(), *before = end;  // before: the last row that did not repeat
+    size_t size_before = 0;
+    for (size_t j = 0; j < kTileSide; ++j) {
+      if (j != 0 && repeats[j] != 0) {
+        *end++ = 0;
+        continue;
+      }
+      const size_t size = PackRow(pieces.RunsOf(first + j), box.halo[2], end);
+      if (size == size_before && std::equal(end, end + size, before)) {
+        *end++ = 0;
+        continue;
+      }
+      before = end;
+      size_before = size;
+      end += size;
     }
-    size_t size = 1;
-    for (const FreeRun& run : pieces.RunsOf(box.RowOfTile(n))) {
-      const int32_t first = std::max(run.first - box.halo[2], 0),
-                    last = std::min(run.last - box.halo[2], kTileSide - 1);
-      if (first > last) continue;
-      row[size++] = static_cast<uint8_t>(first);
-      row[size++] = static_cast<uint8_t>(last);
-      row[size++] = static_cast<uint8_t>(run.piece);
-    }
-    row[0] = static_cast<uint8_t>(1 + size / 3);
-    const bool repeats = n > 0 && packed.size() >= before + size &&
-                         std::equal(row.begin(), row.begin() + static_cast<ptrdiff_t>(size),
-                                    packed.begin() + static_cast<ptrdiff_t>(before));
-    if (repeats) {
-      packed.push_back(0);
-    } else {
-      before = packed.size();
-      packed.insert(packed.end(), row.begin(), row.begin() + static_cast<ptrdiff_t>(size));
-    }
+    packed.insert(packed.end(), plane.data(), end);
   }
   packed.shrink_to_fit();
   return packed;

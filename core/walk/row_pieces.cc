@@ -1,6 +1,7 @@
 #include "core/walk/row_pieces.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdlib>
 #include <numeric>
 
@@ -19,9 +20,31 @@ bool HasWaysAround(const RowStep& step, const RowSteps& steps) {
          std::ranges::any_of(steps.between, crosses_plane);
 }
 
+// Calls f with the place of each bit, ascending.
+template <class F>
+void ForEachBit(WideRow row, F&& f) {
+  for (auto word = static_cast<uint64_t>(row); word != 0; word &= word - 1) f(std::countr_zero(word));
+  for (auto word = static_cast<uint64_t>(row >> 64); word != 0; word &= word - 1) f(64 + std::countr_zero(word));
+}
+
+// Writes the runs of a row, and returns their number. Rows have a bit to spare, so the end of a run is a bit, too.
+uint32_t ListRow(WideRow row, bool along, FreeRun* runs) {
+  if (!along) {
+    uint32_t count = 0;
+    ForEachBit(row, [&](int32_t bit) { runs[count++] = {bit, bit, 0}; });
+    return count;
+  }
+  std::array<int32_t, 2 * RowPieces::kMostRuns> ends;  // the first point of each run, and the one after its last
+  size_t count = 0;
+  ForEachBit(row ^ row << 1, [&](int32_t bit) { ends[count++] = bit; });
+  for (size_t n = 0; n < count; n += 2) runs[n / 2] = {ends[n], ends[n + 1] - 1, 0};
+  return static_cast<uint32_t>(count / 2);
+}
+
 // Whether the step leads from one of these points to one of those.
 bool Leads(WideRow from, WideRow to, const RowStep& step) {
   if (from == 0 || to == 0) return false;
+  if (step.low == -1 && step.high == 1) return ((from >> 1 | from | from << 1) & to) != 0;  // as most do
   for (int32_t by = step.low; by <= step.high; ++by) {
     if (((by < 0 ? from >> -by : from << by) & to) != 0) return true;
   }
@@ -61,33 +84,42 @@ inline void RowPieces::UnitePairs(const RunRange& row, const RunRange& other) {
   }
 }
 
+// Returns the rows of a plane, one bit each, whose step may add a connection. Two rows that both repeat have nothing to
+// add to the rows before them. A step with two ways around adds something only where a wall blocks both: where both
+// rows differ from the rows beside them on that side.
+WideRow RowPieces::RowsToUnite(size_t plane, size_t rows_per_plane, const RowStep& step, bool has_ways_around) const {
+  const WideRow here = changed_[plane], there = changed_[plane + static_cast<size_t>(step.dp)];
+  const int32_t first = std::max(-step.dr, 0), rows = static_cast<int32_t>(rows_per_plane) - std::abs(step.dr);
+  if (rows <= 0) return 0;
+  const WideRow all = FirstBits(rows) << first;
+  if (has_ways_around) return (step.dr > 0 ? (here & there) >> 1 : here & there) & all;
+  return (here | (step.dr > 0 ? there >> step.dr : there << -step.dr) | WideRow{1} << first) & all;
+}
+
 // Near a surface, most rows repeat the row before them. If a step leads straight from one to the other, their runs are
-// united one by one. Two rows that both repeat have nothing to add to the rows before them. A step with two ways around
-// adds something only where a wall blocks both.
+// united one by one.
 void RowPieces::Find(std::span<const WideRow> free, int32_t rows_per_plane, const RowSteps& steps) {
   const auto per_plane = static_cast<size_t>(rows_per_plane), planes = free.size() / per_plane;
   ListRuns(free, per_plane, steps);
   for (const RowStep& step : steps.between) {
-    const auto first = static_cast<size_t>(std::max(-step.dr, 0));
-    const auto end = static_cast<size_t>(std::max(rows_per_plane - std::max(step.dr, 0), 0));
     const ptrdiff_t ahead = static_cast<ptrdiff_t>(step.dp) * rows_per_plane + step.dr;
     const bool has_ways_around = HasWaysAround(step, steps);
     // A step of one bit at most does not lead over a wall between two runs.
     const bool pairs_suffice = steps.along && step.low >= -1 && step.low <= 0 && step.high >= 0 && step.high <= 1;
     for (size_t plane = 0; plane + static_cast<size_t>(step.dp) < planes; ++plane) {
-      for (size_t row = plane * per_plane + first; row < plane * per_plane + end; ++row) {
+      ForEachBit(RowsToUnite(plane, per_plane, step, has_ways_around), [&](int32_t in_plane) {
+        const size_t row = plane * per_plane + static_cast<size_t>(in_plane);
         const auto other = static_cast<size_t>(static_cast<ptrdiff_t>(row) + ahead);
-        if (repeats_[row] != 0 && repeats_[other] != 0 && row != plane * per_plane + first) continue;
         if (has_ways_around) {
           const auto dr = static_cast<size_t>(step.dr);  // wraps around, as size_t does
-          if (!Leads(free[row] & ~free[row + dr], free[other] & ~free[other - dr], step)) continue;
+          if (!Leads(free[row] & ~free[row + dr], free[other] & ~free[other - dr], step)) return;
         }
         if (pairs_suffice && free[row] == free[other]) {
           UnitePairs(ranges_[row], ranges_[other]);
         } else {
           UniteRows(ranges_[row], ranges_[other], step);
         }
-      }
+      });
     }
   }
   count_ = 0;
@@ -98,27 +130,27 @@ void RowPieces::Find(std::span<const WideRow> free, int32_t rows_per_plane, cons
 
 void RowPieces::ListRuns(std::span<const WideRow> free, size_t rows_per_plane, const RowSteps& steps) {
   const bool has_straight = std::ranges::any_of(steps.between, IsStraight);
-  runs_.clear();
-  ranges_.clear();
+  ranges_.resize(free.size());
+  changed_.clear();
   repeats_.assign(free.size(), 0);
+  uint32_t end = 0;
   for (size_t plane = 0; plane < free.size(); plane += rows_per_plane) {
+    WideRow changed = 0;
     for (size_t n = plane; n < plane + rows_per_plane; ++n) {
-      WideRow row = free[n];
-      if (has_straight && n != plane && row == free[n - 1]) {
+      if (has_straight && n != plane && free[n] == free[n - 1]) {
         repeats_[n] = 1;
-        ranges_.push_back(RunRange(ranges_.back()));
+        ranges_[n] = ranges_[n - 1];
         continue;
       }
-      const auto begin = static_cast<uint32_t>(runs_.size());
-      while (row != 0) {
-        const int32_t first = LowestBit(row), length = steps.along ? LowestBit(~(row >> first)) : 1;
-        runs_.push_back({first, first + length - 1, 0});
-        row &= ~(FirstBits(length) << first);
-      }
-      ranges_.push_back({begin, static_cast<uint32_t>(runs_.size())});
+      changed |= WideRow{1} << (n - plane);
+      if (runs_.size() < end + kMostRuns) runs_.resize(2 * runs_.size() + kMostRuns);
+      const uint32_t first = end;
+      end += ListRow(free[n], steps.along, &runs_[first]);
+      ranges_[n] = {first, end};
     }
+    changed_.push_back(changed);
   }
-  parents_.resize(runs_.size());
+  parents_.resize(end);
   std::iota(parents_.begin(), parents_.end(), 0U);
 }
 

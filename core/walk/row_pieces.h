@@ -34,7 +34,9 @@ struct FreeRun {
 // Pieces are numbered in the order of their first runs. Rows are those of one plane after the other. Reuses its memory.
 class RowPieces {
  public:
-  //   free   rows_per_plane rows for each plane; bits of points that a walk may enter
+  static constexpr uint32_t kMostRuns = 128;  // of a row
+
+  //   free   rows_per_plane < 128 rows for each plane; bits of points that a walk may enter
   void Find(std::span<const WideRow> free, int32_t rows_per_plane, const RowSteps& steps);
 
   uint32_t count() const { return count_; }
@@ -45,25 +47,31 @@ class RowPieces {
   }
   // Whether a row has the runs and the pieces of the row before it in its plane. False says nothing.
   bool Repeats(size_t row) const { return repeats_[row] != 0; }
+  // The same for all rows.
+  std::span<const uint8_t> repeats() const { return repeats_; }
   // Returns the piece of a free point.
   uint32_t PieceAt(size_t row, int32_t bit) const;
 
-  size_t Bytes() const { return BytesOf(runs_) + BytesOf(ranges_) + BytesOf(parents_) + BytesOf(repeats_); }
+  size_t Bytes() const {
+    return BytesOf(runs_) + BytesOf(ranges_) + BytesOf(parents_) + BytesOf(repeats_) + BytesOf(changed_);
+  }
 
  private:
   struct RunRange {
     uint32_t first, end;
   };
   uint32_t Root(uint32_t run);
+  WideRow RowsToUnite(size_t plane, size_t rows_per_plane, const RowStep& step, bool has_ways_around) const;
   void Unite(uint32_t a, uint32_t b);
   void ListRuns(std::span<const WideRow> free, size_t rows_per_plane, const RowSteps& steps);
   void UniteRows(const RunRange& row, const RunRange& other, const RowStep& step);
   void UnitePairs(const RunRange& row, const RunRange& other);
 
-  std::vector<FreeRun> runs_;
+  std::vector<FreeRun> runs_;      // as many as parents_; the others are meaningless
   std::vector<RunRange> ranges_;   // of rows; those that repeat share their runs
   std::vector<uint32_t> parents_;  // of runs: the root of a piece is its first run
   std::vector<uint8_t> repeats_;   // of rows: whether it is equal to the row before it in its plane, and united with it
+  std::vector<WideRow> changed_;   // of planes: the rows that do not repeat, one bit each
   uint32_t count_ = 0;
 };
 
