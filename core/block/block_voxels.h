@@ -23,8 +23,9 @@ class BlockVoxels {
   const BlockBox& where() const { return where_; }
   const TileBits& bits() const { return bits_; }
   TileBits& bits() { return bits_; }
-  // Contains all members since Reset.
+  // Contain all members since Reset.
   const NumberRange& dirty() const { return dirty_; }
+  const IndexBox& dirty_box() const { return dirty_box_; }
 
   // Adds voxels, by the low kNumberBits of their numbers.
   void Add(std::span<const uint32_t> voxels) {

@@ -51,6 +51,7 @@ class SurfaceScan {
 
   // The voxels of the last scan.
   BlockVoxels& voxels() { return voxels_; }
+  const BlockVoxels& voxels() const { return voxels_; }
 
   // Bytes of memory.
   size_t Bytes() const;

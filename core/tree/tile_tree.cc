@@ -113,7 +113,7 @@ int TileCubeLevel(const IndexBox& box) {
 }
 
 std::vector<TileNode> TileTree::Top(std::optional<std::vector<uint32_t>> triangles) const {
-  if (triangles && triangles->empty() && (links_ == nullptr || links_->empty())) return {};
+  if (triangles && triangles->empty() && !keep_empty_ && (links_ == nullptr || links_->empty())) return {};
   // The cube begins at the lowest tile of the whole mesh, whatever the region, so that the order is always the same.
   TileNode root{{}, level(), {}, {}, 0, 1};
   for (size_t m = 0; m < 3; ++m) {
@@ -176,8 +176,9 @@ std::optional<std::vector<TileNode>> TileTree::SplitBy(int levels, const TileNod
   double progress = node.progress;
   for (size_t n = 0; n < children.size(); ++n) {
     children[n].progress = progress;
-    const auto weight = static_cast<double>(sizes[2 * numbers[n]] + children[n].links);
-    children[n].share = node.share * weight / static_cast<double>(std::max<size_t>(total, 1));
+    const size_t weight = total > 0 ? sizes[2 * numbers[n]] + children[n].links : 1;
+    const size_t all = total > 0 ? total : children.size();
+    children[n].share = node.share * static_cast<double>(weight) / static_cast<double>(all);
     progress += children[n].share;
   }
 

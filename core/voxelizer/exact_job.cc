@@ -76,10 +76,12 @@ absl::Status ExactJob::PrepareWalk() {
     kept = *std::move(made);
     plan_->facts.walk = kept->facts();
     units_.AddFilled(*kept);
+    if (!kept->NeedsTriangles() && !plan_->FieldsNeedTriangles()) units_.DropTriangles();
     return absl::OkStatus();
   };
+  ScanPool<WalkScan> scans;
   return plan_->labels ? keep(LabeledWalk::Make(*plan_, stop_.Signal()), prepared_.labeled_walk)
-                       : keep(MakeWalk(*plan_, units_.kept(), stop_.Signal()), prepared_.walk);
+                       : keep(MakeWalk(*plan_, units_.kept(), scans, stop_.Signal()), prepared_.walk);
 }
 
 absl::Status ExactJob::Prepare() {

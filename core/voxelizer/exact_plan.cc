@@ -76,8 +76,9 @@ SurfaceFacts SortOut(ExactPlan& plan, StopSignal creation) {
   plan.is_fine = true;
   FineTriangles fine = SortOutFine(input.mesh, plan.scan_frames, fineness, around, creation, *plan.links,
                                    NeedsTiny(plan) ? &plan.is_tiny : nullptr);
-  // Without any triangle, the tree would have no tiles, although a walk may reach them.
-  const bool needs_all = NeedsAllTriangles(plan) || (input.walk && fine.kept.empty());
+  // Without any triangle or link, the tree would have no tiles, although a walk may reach them.
+  const bool has_none = fine.kept.empty() && plan.links->empty();
+  const bool needs_all = NeedsAllTriangles(plan) || (input.walk && has_none);
   if (!needs_all) plan.kept = std::move(fine.kept);
   return fine.facts;
 }

@@ -92,6 +92,9 @@ struct ExactPlan {
   // Whether fields come from the triangles near a tile.
   bool NeedsNearTriangles() const { return input.fields && input.fields->near_reach; }
 
+  // Whether fields need the triangles that a tile's node lists.
+  bool FieldsNeedTriangles() const { return HasLinkFields() || HasFraction() || NeedsNearTriangles() || NeedsParity(); }
+
   // The rule for the inside, if tiles need to know on which side of the mesh their voxels are, and the set is no solid.
   bool NeedsParity() const {
     return !solid && ((input.fields && input.fields->is_signed) || HasFraction() ||

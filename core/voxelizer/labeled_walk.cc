@@ -9,7 +9,7 @@
 #include <span>
 #include <utility>
 
-#include "core/brick/set_label_runs.h"
+#include "core/brick/label_runs.h"
 #include "core/solid/labels.h"
 
 namespace latvox {
@@ -20,34 +20,27 @@ constexpr int kLeastLevelOfBlocks = 2;
 
 constexpr uint32_t kNone = std::numeric_limits<uint32_t>::max();
 
-// The part of a mesh with some of its triangles, in the whole mesh's box. So all labels' cubes of tiles are the same,
-// and the nodes of one tree fit all walks.
-//   numbers   for each vertex kNone, before and after
-SnappedMesh PartOf(const SnappedMesh& mesh, std::span<const uint32_t> triangles, std::vector<uint32_t>& numbers) {
-  PaddedVector<Vec3i> vertices;
+// The part of a mesh with some of its triangles. It shares the vertices of all, and has the whole mesh's box. So all
+// labels' cubes of tiles are the same, and the nodes of one tree fit all walks.
+SnappedMesh PartOf(const SnappedMesh& mesh, std::span<const uint32_t> triangles) {
   std::vector<std::array<uint32_t, 3>> corners(triangles.size());
-  for (size_t n = 0; n < triangles.size(); ++n) {
-    for (size_t m = 0; m < 3; ++m) {
-      const uint32_t vertex = mesh.triangles[triangles[n]][m];
-      if (numbers[vertex] == kNone) {
-        numbers[vertex] = static_cast<uint32_t>(vertices.size());
-        vertices.push_back(mesh.vertices_lat[vertex]);
-      }
-      corners[n][m] = numbers[vertex];
-    }
-  }
-  for (const uint32_t t : triangles) {
-    for (const uint32_t vertex : mesh.triangles[t]) numbers[vertex] = kNone;
-  }
-  vertices.shrink_to_fit();
-  return {mesh.base_ijk, std::move(vertices), std::move(corners), mesh.box};
+  for (size_t n = 0; n < triangles.size(); ++n) corners[n] = mesh.triangles[triangles[n]];
+  return {mesh.base_ijk, mesh.vertices_lat, std::move(corners), mesh.box};
 }
 
-// Whether a lattice point lies in the box around the vertices.
+// Whether a lattice point lies in the box around the triangles.
 bool SurroundsPoint(const SnappedMesh& mesh, const Vec3i& ijk) {
+  constexpr int32_t kMost = std::numeric_limits<int32_t>::max();
+  Vec3i low{kMost, kMost, kMost}, high{-kMost, -kMost, -kMost};
+  for (const std::array<uint32_t, 3>& corners : mesh.triangles) {
+    for (const uint32_t vertex : corners) {
+      for (size_t m = 0; m < 3; ++m) {
+        low[m] = std::min(low[m], mesh.vertices_lat[vertex][m]);
+        high[m] = std::max(high[m], mesh.vertices_lat[vertex][m]);
+      }
+    }
+  }
   for (size_t m = 0; m < 3; ++m) {
-    const auto along = [m](const Vec3i& v) { return v[m]; };
-    const auto [low, high] = std::ranges::minmax(mesh.vertices_lat, {}, along);
     const int64_t at = int64_t{ijk[m]} * kLatticeUnit;  // the point may be far away
     if (at < low[m] || at > high[m]) return false;
   }
@@ -62,55 +55,74 @@ std::vector<uint32_t> OfRank(std::span<const uint64_t> by_rank, size_t rank) {
   return places;
 }
 
+// Notes where the runs of these points of a row begin and end. All of them have this label. No other label gets them,
+// so a run stays as it is.
+void AddRuns(size_t row, uint64_t points, uint32_t label, LabeledWalkScan& scan) {
+  scan.starts[row] |= points ^ points << 1;
+  for (uint64_t firsts = points & ~(points << 1); firsts != 0; firsts &= firsts - 1) {
+    scan.of_starts[row * kTileSide + static_cast<size_t>(std::countr_zero(firsts))] = label;
+  }
+}
+
 // Gives the points of `rows` that no label has yet to this one. Returns whether labels meet in the tile so far.
 //   is_mixed, last   as returned, and the label of the points so far unless it is mixed
 bool Take(const TileRows& rows, uint32_t label, bool is_mixed, uint32_t& last, LabeledWalkScan& scan) {
-  constexpr size_t kPoints = size_t{kTileSide} * kTileSide * kTileSide;
-  const auto write = [&scan](size_t row, uint64_t bits, uint32_t number) {
-    for (; bits != 0; bits &= bits - 1) {
-      scan.of_points[row * kTileSide + static_cast<size_t>(std::countr_zero(bits))] = number;
-    }
-  };
   bool is_new = false;
   for (size_t row = 0; row < rows.size() && !is_new; ++row) is_new = (rows[row] & ~scan.taken[row]) != 0;
   if (!is_new) return is_mixed;
   const bool is_first = last == kNoLabel;
   if (!is_first && !is_mixed) {
-    scan.of_points.assign(kPoints, kNoLabel);
-    for (size_t row = 0; row < rows.size(); ++row) write(row, scan.taken[row], last);
+    scan.starts.fill(0);
+    scan.of_starts.resize(rows.size() * kTileSide);
+    for (size_t row = 0; row < rows.size(); ++row) AddRuns(row, scan.taken[row], last, scan);
   }
   for (size_t row = 0; row < rows.size(); ++row) {
-    if (!is_first) write(row, rows[row] & ~scan.taken[row], label);
+    if (!is_first) AddRuns(row, rows[row] & ~scan.taken[row], label, scan);
     scan.taken[row] |= rows[row];
   }
   last = label;
   return !is_first;
 }
 
+// The runs of a tile where labels meet.
+void SetRuns(const LabeledWalkScan& scan, LabelRuns& labels) {
+  labels.clear();
+  labels.starts.reserve(scan.taken.size() + 1);
+  for (size_t row = 0; row < scan.taken.size(); ++row) {
+    labels.starts.push_back(static_cast<uint32_t>(labels.runs.size()));
+    for (uint64_t firsts = scan.starts[row] | 1; firsts != 0; firsts &= firsts - 1) {
+      const int k = std::countr_zero(firsts);
+      const bool has_label = (scan.taken[row] >> k & 1) != 0;
+      labels.runs.push_back(
+          {static_cast<uint32_t>(k), has_label ? scan.of_starts[row * kTileSide + static_cast<size_t>(k)] : kNoLabel});
+    }
+  }
+  labels.starts.push_back(static_cast<uint32_t>(labels.runs.size()));
+}
+
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<const Walk>> MakeWalk(const ExactPlan& plan, std::optional<std::vector<uint32_t>> kept,
-                                                     StopSignal stop) {
+                                                     ScanPool<WalkScan>& scans, StopSignal stop) {
   const SnappedMesh& mesh = plan.input.mesh;
   const int level = TileCubeLevel(mesh.box) > kLeastLevelOfBlocks ? 1 : 0;
   TileTree tree(mesh, level, plan.near_margin, plan.far_margin, mesh.box, stop);
   if (plan.is_fine) tree.AddLinks(*plan.links);
   tree.KeepEmpty();
-  return Walk::Make(plan.Context(stop), *plan.input.walk, tree, std::move(kept));
+  return Walk::Make(plan.Context(stop), *plan.input.walk, tree, std::move(kept), scans);
 }
 
 absl::StatusOr<std::unique_ptr<const LabeledWalk>> LabeledWalk::Make(const ExactPlan& plan, StopSignal stop) {
   const SnappedMesh& mesh = plan.input.mesh;
   const Labels& labels = *plan.labels;
   const Labels::Groups groups = labels.ByRank();
-  std::vector<uint32_t> numbers(mesh.vertices_lat.size(), kNone);
   std::unique_ptr<LabeledWalk> made(new LabeledWalk(plan));
   size_t packed_bytes = kMostPackedBytes;
+  ScanPool<WalkScan> scans;  // new ones for each label would take a third of the time of a thousand small labels
   for (size_t rank = 0; rank < labels.numbers.size(); ++rank) {
     const std::span<const uint32_t> triangles = groups.Of(rank);
-    if (auto status = made->AddLabel(PartOf(mesh, triangles, numbers), triangles, packed_bytes, stop); !status.ok()) {
-      return status;
-    }
+    auto status = made->AddLabel(PartOf(mesh, triangles), triangles, packed_bytes, scans, stop);
+    if (!status.ok()) return status;
     const Walk& walk = *made->labels_.back().walk;
     packed_bytes -= walk.packed_bytes();
     made->AddFacts(labels.numbers[rank], walk.facts());
@@ -121,7 +133,7 @@ absl::StatusOr<std::unique_ptr<const LabeledWalk>> LabeledWalk::Make(const Exact
 
 // A label's plan is one of an enclosed set without labels and fields.
 absl::Status LabeledWalk::AddLabel(SnappedMesh mesh, std::span<const uint32_t> triangles, size_t packed_bytes,
-                                   StopSignal stop) {
+                                   ScanPool<WalkScan>& scans, StopSignal stop) {
   const ExactInput& whole = plan_.input;
   WalkPlan walk = *whole.walk;
   walk.most_packed_bytes = packed_bytes;
@@ -141,7 +153,7 @@ absl::Status LabeledWalk::AddLabel(SnappedMesh mesh, std::span<const uint32_t> t
   const std::optional<std::vector<uint32_t>> kept = std::exchange((*plan)->kept, std::nullopt);
   for (uint32_t n = 0; n < triangles.size(); ++n) places_[triangles[n]] = kept ? kNone : n;
   for (size_t n = 0; kept && n < kept->size(); ++n) places_[triangles[(*kept)[n]]] = (*kept)[n];
-  auto made = MakeWalk(**plan, kept, stop);
+  auto made = MakeWalk(**plan, kept, scans, stop);
   if (!made.ok()) return made.status();
   const std::optional<Leak>& leak = (*made)->facts().leak;
   if (leak && leak->kind != Leak::kNone) ++leaks_;
@@ -177,15 +189,21 @@ std::vector<uint64_t> LabeledWalk::ByRank(std::span<const uint32_t> triangles) c
 void LabeledWalk::FindTile(const TileContext& context, const TileNode& node, LabeledWalkScan& scan,
                            std::vector<TileBricks>& tiles) const {
   assert(node.level == 0);  // tiles with fields are found one by one
-  scan.near = ByRank(node.triangles);
-  scan.fringe = ByRank(node.fringe);
   scan.taken.fill(0);
-  bool is_mixed = false;
+  bool is_sorted = false, is_mixed = false;
   uint32_t last = kNoLabel;
   for (size_t rank = 0; rank < labels_.size(); ++rank) {
     const auto& [plan, walk] = labels_[rank];
     if (!walk->MayHold(node.tile_ijk, 0)) continue;
-    const TileNode of_label{node.tile_ijk, 0, OfRank(scan.near, rank), OfRank(scan.fringe, rank), 0, 0};
+    TileNode of_label{node.tile_ijk, 0, {}, {}, 0, 0};
+    if (walk->NeedsTriangles(node.tile_ijk)) {
+      if (!std::exchange(is_sorted, true)) {
+        scan.near = ByRank(node.triangles);
+        scan.fringe = ByRank(node.fringe);
+      }
+      of_label.triangles = OfRank(scan.near, rank);
+      of_label.fringe = OfRank(scan.fringe, rank);
+    }
     bool has_walls = false;
     walk->FindTile(plan->Context(context.stop), of_label, node.tile_ijk, scan.of_label, has_walls);
     if (context.stop.Stopped()) return;
@@ -195,7 +213,7 @@ void LabeledWalk::FindTile(const TileContext& context, const TileNode& node, Lab
   TileBricks tile = scan.of_label.CutOut(context, node.tile_ijk, scan.taken);
   if (tile.bricks.empty()) return;
   if (is_mixed) {
-    SetLabelRuns(scan.of_points, tile.labels);
+    SetRuns(scan, tile.labels);
   } else {
     tile.labels.runs = {{0, last}};
   }

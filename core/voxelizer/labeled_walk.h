@@ -2,6 +2,7 @@
 #ifndef LATVOX_CORE_VOXELIZER_LABELED_WALK_H_
 #define LATVOX_CORE_VOXELIZER_LABELED_WALK_H_
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -12,6 +13,7 @@
 #include "absl/status/statusor.h"
 #include "core/base/stop_signal.h"
 #include "core/base/vec.h"
+#include "core/block/scan_pool.h"
 #include "core/brick/brick.h"
 #include "core/brick/filled_tiles.h"
 #include "core/tree/tile_tree.h"
@@ -23,16 +25,19 @@
 namespace latvox {
 
 // Returns the walk of a plan with one. It refers to the plan. Errors: as Walk::Make.
-//   kept   the triangles that tiles need to know; nullopt: all
+//   kept    the triangles that tiles need to know; nullopt: all
+//   scans   see WalkPass
 absl::StatusOr<std::unique_ptr<const Walk>> MakeWalk(const ExactPlan& plan, std::optional<std::vector<uint32_t>> kept,
-                                                     StopSignal stop);
+                                                     ScanPool<WalkScan>& scans, StopSignal stop);
 
 // The memory of one thread, which it reuses from tile to tile.
 struct LabeledWalkScan {
   WalkScan of_label;
-  TileRows taken;                        // the points of the labels so far
-  std::vector<uint64_t> near, fringe;    // the node's triangles, by rank: see LabeledWalk
-  std::vector<uint32_t> of_points = {};  // where labels meet: the label of each point of the tile, row by row
+  TileRows taken;                      // the points of the labels so far
+  std::vector<uint64_t> near, fringe;  // the node's triangles, by rank: see LabeledWalk
+  // Where labels meet: the points at which runs of a label, or of no label, begin; and the labels of these, row by row.
+  TileRows starts;
+  std::vector<uint32_t> of_starts = {};
 };
 
 // Threads: after Make, any.
@@ -45,8 +50,13 @@ class LabeledWalk : public FilledTiles {
 
   bool MayHold(const Vec3i& tile_ijk, int level) const override;
 
+  // As Walk has it.
+  bool NeedsTriangles() const {
+    return std::ranges::any_of(labels_, [](const OfLabel& of_label) { return of_label.walk->NeedsTriangles(); });
+  }
+
   // Appends the tile of a node, with its labels, if it has voxels.
-  //   node   a tile of a tree with the plan's margins and all triangles of the mesh
+  //   node   a tile of a tree with the plan's margins and, if NeedsTriangles, all triangles of the mesh
   void FindTile(const TileContext& context, const TileNode& node, LabeledWalkScan& scan,
                 std::vector<TileBricks>& tiles) const;
 
@@ -60,7 +70,8 @@ class LabeledWalk : public FilledTiles {
 
   explicit LabeledWalk(const ExactPlan& plan) : plan_(plan), places_(plan.input.mesh.triangles.size()) {}
 
-  absl::Status AddLabel(SnappedMesh mesh, std::span<const uint32_t> triangles, size_t packed_bytes, StopSignal stop);
+  absl::Status AddLabel(SnappedMesh mesh, std::span<const uint32_t> triangles, size_t packed_bytes,
+                        ScanPool<WalkScan>& scans, StopSignal stop);
   std::vector<uint64_t> ByRank(std::span<const uint32_t> triangles) const;
   void AddFacts(uint32_t label, const WalkFacts& facts);
 
@@ -71,9 +82,9 @@ class LabeledWalk : public FilledTiles {
   WalkFacts facts_;
 };
 
-// The memory of a label, and for each triangle: its copy with three vertices, its place, and its part of the links of
-// tiny triangles, which take up to 4.5 MiB for each 16,384 triangles of a label.
-inline constexpr uint64_t kLabeledWalkBytesPerLabel = 64 << 10, kLabeledWalkBytesPerTriangle = 56 + 288;
+// The memory of a label, and for each triangle: its copy, its place, and its part of the links of tiny triangles, which
+// take up to 4.5 MiB for each 16,384 triangles of a label.
+inline constexpr uint64_t kLabeledWalkBytesPerLabel = 64 << 10, kLabeledWalkBytesPerTriangle = 20 + 288;
 
 }  // namespace latvox
 

@@ -18,7 +18,7 @@ namespace latvox {
 // unit, left out as a whole, or replaced by its children in order. So every tile of the part comes once, whatever the
 // number of threads. The number of threads decides which tiles form a unit, but not their voxels: see ExactPlan.
 //
-// Threads: Next, PutBack and AddFilled, one at a time; the rest, any thread.
+// Threads: Next, PutBack, AddFilled and DropTriangles, one at a time; the rest, any thread.
 class UnitScheduler {
  public:
   //   plan   must outlive it
@@ -29,6 +29,9 @@ class UnitScheduler {
   // Also visits tiles without triangles nearby, from now on, if they may hold points of the set. Call it before Next.
   // `filled` must outlive this object.
   void AddFilled(const FilledTiles& filled);
+
+  // From now on, nodes list no triangles. Call it after AddFilled and before Next.
+  void DropTriangles() { kept_ = std::vector<uint32_t>(); }
 
   // The next unit; nullopt if none is left.
   std::optional<TileNode> Next();

@@ -37,9 +37,10 @@ class WalkPass {
  public:
   //   context   with the overlap of the plan's steps
   //   tree      with margins for the context and the plan; it keeps empty nodes
+  //   scans     the memory of its threads; the pass of another label may go on with it
   // All must outlive it.
-  WalkPass(const TileContext& context, const WalkPlan& plan, const TileTree& tree)
-      : context_(context), plan_(plan), tree_(tree) {}
+  WalkPass(const TileContext& context, const WalkPlan& plan, const TileTree& tree, ScanPool<WalkScan>& scans)
+      : context_(context), plan_(plan), tree_(tree), scans_(scans) {}
 
   // Calls far(tile_ijk, level) for cubes without walls in them and their overlap, and near(tile_ijk, scan) for each
   // other tile, with the walls of its block. Together they are all tiles of the tree, each once. Any thread may call,
@@ -80,7 +81,7 @@ class WalkPass {
   const TileContext& context_;
   const WalkPlan& plan_;
   const TileTree& tree_;
-  ScanPool<WalkScan> scans_;
+  ScanPool<WalkScan>& scans_;
 };
 
 }  // namespace latvox

@@ -53,10 +53,10 @@ Walk::Walk(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames, const 
       graph_(Shifted(mesh.box.min, kTileBits), level, mesh.box) {}
 
 absl::StatusOr<std::unique_ptr<const Walk>> Walk::Make(const TileContext& context, const WalkPlan& plan,
-                                                       const TileTree& tree,
-                                                       std::optional<std::vector<uint32_t>> kept) {
+                                                       const TileTree& tree, std::optional<std::vector<uint32_t>> kept,
+                                                       ScanPool<WalkScan>& scans) {
   std::unique_ptr<Walk> walk(new Walk(context.mesh, context.frames, plan, tree.level()));
-  WalkPass pass(context, plan, tree);
+  WalkPass pass(context, plan, tree, scans);
   if (absl::Status status = walk->Run(context, pass, kept); !status.ok()) return status;
   return walk;
 }
@@ -80,9 +80,11 @@ absl::Status Walk::Run(const TileContext& context, WalkPass& pass, const std::op
 // Finds the tile's pieces, and the one with the start.
 void Walk::Look(const Vec3i& tile_ijk, WalkScan& scan) {
   const HaloBox box(tile_ijk, plan_.steps.reach);
+  const bool may_be_cube = plan_.steps.slack == Vec3i{};
+  if (may_be_cube && !scan.walls.MayMeet(box)) return graph_.AddCube(tile_ijk, 0);
   scan.walls.WallsIn(box, scan.rows);
   const bool is_free = std::all_of(scan.rows.begin(), scan.rows.end(), [](WideRow row) { return row == 0; });
-  if (is_free && plan_.steps.slack == Vec3i{}) return graph_.AddCube(tile_ijk, 0);
+  if (may_be_cube && is_free) return graph_.AddCube(tile_ijk, 0);
   TilePieces pieces = scan.pieces.Find(plan_.steps, box, scan.rows, mesh_.box);
   if (plan_.start && Shifted(*plan_.start, kTileBits) == tile_ijk) {
     const Vec3i at = *plan_.start - box.low;
@@ -102,12 +104,6 @@ void Walk::KeepPacked(const Vec3i& tile_ijk, PackedPieces packed) {
   }
   packed_bytes_ += packed.size();
   packed_[tile_ijk] = std::move(packed);
-}
-
-// Whether a delivered tile with pieces needs the scan of its walls.
-bool Walk::NeedsWalls(const Vec3i& tile_ijk) const {
-  const bool needs_surface = ball_ || (!plan_.with_surface && !plan_.from_seed);
-  return needs_surface || !packed_.contains(tile_ijk);
 }
 
 absl::Status Walk::FindStart(WalkPass& pass, const std::optional<std::vector<uint32_t>>& kept, StopSignal stop) {
@@ -294,8 +290,7 @@ void Walk::FindRows(const Vec3i& tile_ijk, const WalkGraph::TileNodes* nodes, Wa
 void Walk::FindTile(const TileContext& context, const TileNode& node, const Vec3i& tile_ijk, WalkScan& scan,
                     bool& has_walls) const {
   const WalkGraph::TileNodes* const nodes = graph_.FindTile(tile_ijk);
-  const bool needs_walls = nodes != nullptr && NeedsWalls(tile_ijk);
-  if (needs_walls && !std::exchange(has_walls, true)) scan.walls.Scan(context, nullptr, node);
+  if (NeedsTriangles(tile_ijk) && !std::exchange(has_walls, true)) scan.walls.Scan(context, nullptr, node);
   if (!context.stop.Stopped()) FindRows(tile_ijk, nodes, scan, context.stop, scan.reached);
 }
 

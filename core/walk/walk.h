@@ -36,13 +36,21 @@ class Walk : public FilledTiles {
   //   context   of the delivered tiles; its stop signal is not used later
   //   tree      see WalkPass
   //   kept      see WalkPass
-  // All except `kept` must outlive it. Errors: INVALID_ARGUMENT if the seed lies in a wall, or if the walk from it gets
-  // outside though the request does not allow it; CANCELLED.
+  //   scans     see WalkPass
+  // All except `kept` and `scans` must outlive it. Errors: INVALID_ARGUMENT if the seed lies in a wall, or if the walk
+  // from it gets outside though the request does not allow it; CANCELLED.
   static absl::StatusOr<std::unique_ptr<const Walk>> Make(const TileContext& context, const WalkPlan& plan,
                                                           const TileTree& tree,
-                                                          std::optional<std::vector<uint32_t>> kept);
+                                                          std::optional<std::vector<uint32_t>> kept,
+                                                          ScanPool<WalkScan>& scans);
 
   bool MayHold(const Vec3i& tile_ijk, int level) const override;
+
+  // Whether a delivered tile, or any, needs the triangles of its node: where pieces are not at hand.
+  bool NeedsTriangles(const Vec3i& tile_ijk) const {
+    return graph_.FindTile(tile_ijk) != nullptr && NeedsWalls(tile_ijk);
+  }
+  bool NeedsTriangles() const { return NeedsSurface() || !all_packed_; }
 
   // Finds the set's points in one of the node's tiles: scan.reached.
   //   has_walls   whether the scan has the node's walls already
@@ -63,7 +71,10 @@ class Walk : public FilledTiles {
   absl::Status Run(const TileContext& context, WalkPass& pass, const std::optional<std::vector<uint32_t>>& kept);
   void Look(const Vec3i& tile_ijk, WalkScan& scan);
   void KeepPacked(const Vec3i& tile_ijk, PackedPieces packed);
-  bool NeedsWalls(const Vec3i& tile_ijk) const;
+  // Whether delivered tiles need their surface, even if their pieces are at hand.
+  bool NeedsSurface() const { return ball_ || (!plan_.with_surface && !plan_.from_seed); }
+  // Whether a delivered tile with pieces needs the scan of its walls.
+  bool NeedsWalls(const Vec3i& tile_ijk) const { return NeedsSurface() || !packed_.contains(tile_ijk); }
   absl::Status FindStart(WalkPass& pass, const std::optional<std::vector<uint32_t>>& kept, StopSignal stop);
   Leak FindLeak(WalkPass& pass, const std::optional<std::vector<uint32_t>>& kept, StopSignal stop) const;
   void KeepReached(WalkPass& pass, const std::optional<std::vector<uint32_t>>& kept, StopSignal stop);

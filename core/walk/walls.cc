@@ -38,6 +38,11 @@ void WallScan::AddNear(const TileContext& context, const BandPlan& close, std::s
   }
 }
 
+bool WallScan::MayMeet(const HaloBox& box) const {
+  const IndexBox& dirty = block_.surface.voxels().dirty_box();
+  return has_near_ || !IsEmpty(Intersection(dirty, {box.low, box.low + box.side}));
+}
+
 void WallScan::SurfaceIn(const HaloBox& box, std::vector<WideRow>& rows) {
   const BlockVoxels& voxels = block_.surface.voxels();
   ReadRows(voxels.where().layout, voxels.bits(), box, rows);

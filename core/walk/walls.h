@@ -26,6 +26,9 @@ class WallScan {
   //   close   null, or what also makes a wall near the mesh
   void Scan(const TileContext& context, const BandPlan* close, const TileNode& node);
 
+  // Whether a box may have walls.
+  bool MayMeet(const HaloBox& box) const;
+
   // The rows of the surface, and of all walls, in a box within the node and its overlap.
   void SurfaceIn(const HaloBox& box, std::vector<WideRow>& rows);
   void WallsIn(const HaloBox& box, std::vector<WideRow>& rows);

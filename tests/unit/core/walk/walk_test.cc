@@ -260,6 +260,30 @@ TEST(Walk, ClosesHolesOfFineMeshes) {
   }
 }
 
+// All triangles are tiny, so no tile lists any, and all walls come from links. The tiles that are delivered need no
+// walls with the surface, and need them without it.
+TEST(Walk, OfMeshesWhoseTrianglesAreAllTiny) {
+  const TriangleMesh mesh = Sphere(92, 11);
+  for (const NamedLattice named : {NamedLattice::kCartesian, NamedLattice::kFcc}) {
+    const Lattice lattice = Lattice::Named(named);
+    for (const int k : {0, 2}) {
+      const Flood flood({{-40, -40, -40}, {40, 40, 40}}, Directions(lattice.frames(k)));
+      const Points walls = VoxelsOf(Voxelize(mesh, Unscaled(lattice), {.separability = k}));
+      const Points enclosed = flood.Unmarked(flood.FromOutside(flood.MarksOf(walls)));
+      EXPECT_GT(enclosed.size(), 2 * walls.size());
+      const Result result = Voxelize(mesh, Unscaled(lattice), {.separability = k, .set = Enclosed{}});
+      EXPECT_EQ(VoxelsOf(result), enclosed);
+      ASSERT_EQ(result.tiles.size(), 8U);
+      EXPECT_GT(result.tiles.front().progress, 0);
+      EXPECT_LT(result.tiles.front().progress, 0.5);
+      EXPECT_GT(result.tiles.back().progress, 0.9);
+      const Enclosed inner{.surface = SolidSurface::kNone};
+      EXPECT_EQ(VoxelsOf(Voxelize(mesh, Unscaled(lattice), {.separability = k, .set = inner})),
+                Without(enclosed, walls));
+    }
+  }
+}
+
 // The line of points through the middle of the hole is 1124 units from 0, between the points 4 and 5.
 TEST(Walk, PassesAHoleOneStepWideAndNoNarrowerOne) {
   for (const int64_t k : {0, 2}) {
