@@ -143,6 +143,8 @@ if(NOT latvox_sanitized)
   latvox_add_system_test(layering.rooms "${latvox_python};layering/rooms_test.py")
   if(LATVOX_PYTHON)
     latvox_add_system_test(python.package "${latvox_python};-m;pytest;-q;-p;no:cacheprovider;python")
+    latvox_add_system_test(python.pip "${latvox_python};-m;pytest;-q;-p;no:cacheprovider;python/pip_build.py" LABELS slow
+                           TIMEOUT 7200)
   endif()
   latvox_add_system_test(prose "${latvox_python};prose/prose_test.py")
   latvox_add_system_test(node "node;--test;node/voxelize.test.js")

@@ -1,33 +1,51 @@
 """The package installs by pip, without a network, and needs nothing of the build folder then."""
 
+import base64
+import csv
+import hashlib
+import io
 import os
-import shutil
 import subprocess
-import sys
+import zipfile
 
 import latvox
 from conftest import ROOT
-from harness import BUNNY
+from page_install import install_and_try
+
+RECORD = f"latvox-{latvox.__version__}.dist-info/RECORD"
 
 
-def test_pip_installs_the_package(tmp_path):
-    source, target = tmp_path / "source", tmp_path / "target"
-    shutil.copytree(ROOT / "client/python", source / "client/python")
-    shutil.copy(ROOT / "CMakeLists.txt", source)
-    options = ["--no-build-isolation", "--no-index", "--no-deps", "--target", target]
-    command = [sys.executable, "-m", "pip", "install", source / "client/python", *options]
-    installed = subprocess.run(command, capture_output=True, text=True, env=os.environ | {"PYTHONDONTWRITEBYTECODE": "1"})
-    assert installed.returncode == 0, installed.stdout + installed.stderr
-    program = (
-        "import latvox, sys; v = latvox.voxelize(sys.argv[1], resolution=9); v.save('a.vdb');"
-        "print(latvox.__version__, latvox.__file__, v.digest)"
-    )
-    environment = {"PYTHONPATH": str(target), "PATH": "/usr/bin"}
-    run = [sys.executable, "-B", "-c", program, BUNNY]
-    done = subprocess.run(run, capture_output=True, text=True, cwd=tmp_path, env=environment, timeout=60)
-    assert done.returncode == 0, done.stderr
-    version, file, digest = done.stdout.split()
-    assert (version, digest) == (latvox.__version__, latvox.voxelize(BUNNY, resolution=9).digest)
-    assert file == str(target / "latvox/__init__.py") and (target / "latvox/py.typed").exists()
-    files = sorted(path.name for path in (target / "latvox/bin").iterdir() if not path.is_symlink())
-    assert files == ["latvox", "latvox-vdb.so", "latvoxd"]
+def test_the_page_s_commands_install_the_package(tmp_path):
+    install_and_try(tmp_path, LATVOX_BUILD_DIR=os.environ["LATVOX_BUILD_DIR"])
+
+
+def in_backend(program, **environment):
+    """Runs a program with the builder of wheels."""
+    command = ["/usr/bin/python3", "-B", "-c", f"import cmake_wheel; {program}"]
+    environment = {"PATH": "/usr/bin:/bin", **environment}
+    return subprocess.run(command, capture_output=True, text=True, cwd=ROOT / "client/python", env=environment)
+
+
+def test_a_wheel_lists_its_files_and_equals_the_next_one(tmp_path):
+    wheels = []
+    for n in range(2):
+        folder = tmp_path / str(n)
+        folder.mkdir()
+        program = f"print(cmake_wheel.build_wheel({str(folder)!r}))"
+        done = in_backend(program, LATVOX_BUILD_DIR=os.environ["LATVOX_BUILD_DIR"])
+        assert done.returncode == 0, done.stderr
+        wheels.append(folder / done.stdout.strip())
+    assert wheels[0].name.startswith(f"latvox-{latvox.__version__}-cp3") and wheels[0].name == wheels[1].name
+    assert wheels[0].read_bytes() == wheels[1].read_bytes()
+    with zipfile.ZipFile(wheels[0]) as archive:
+        listed = {name: (digest, size) for name, digest, size in csv.reader(io.TextIOWrapper(archive.open(RECORD)))}
+        assert listed.pop(RECORD) == ("", "") and sorted([*listed, RECORD]) == sorted(archive.namelist())
+        for name, (digest, size) in listed.items():
+            content = archive.read(name)
+            own = base64.urlsafe_b64encode(hashlib.sha256(content).digest()).decode().rstrip("=")
+            assert (digest, int(size)) == (f"sha256={own}", len(content)), name
+
+
+def test_a_build_folder_of_another_python_is_refused(tmp_path):
+    done = in_backend(f"cmake_wheel.build_wheel({str(tmp_path)!r})", LATVOX_BUILD_DIR=str(tmp_path))
+    assert done.returncode != 0 and f"{tmp_path}: has no module for Python 3." in done.stderr
