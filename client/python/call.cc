@@ -28,6 +28,18 @@ MeshReader ReaderOf(Mesh arrays, const MeshSource& source) {
   };
 }
 
+std::vector<PartArrays> PartsOf(const py::tuple& parts) {
+  std::vector<PartArrays> all;
+  for (const py::handle part : parts) {
+    PartArrays arrays{part.attr("vertices").cast<py::array>(), {},
+                      part.attr("colors").cast<py::array>(),   part.attr("face_colors").cast<py::array>(),
+                      part.attr("name").cast<std::string>(),   part.attr("no_color").cast<std::string>()};
+    for (const py::handle one : part.attr("faces")) arrays.faces.push_back(one.cast<py::array>());
+    all.push_back(std::move(arrays));
+  }
+  return all;
+}
+
 }  // namespace
 
 Connection::Connection(const py::dict& keywords, const std::string& token, const std::string& program) {
@@ -84,11 +96,7 @@ Call::Call(const Connection& connection, const py::object& mesh, const py::dict&
     options_ = Checked(ParseKeywords(keywords, mesh.cast<std::vector<std::string>>()));
   } else {
     options_ = Checked(ParseKeywords(keywords, {kMeshOfArrays}));
-    const py::tuple arrays = mesh;
-    std::vector<py::array> faces;
-    for (const py::handle one : arrays[1]) faces.push_back(one.cast<py::array>());
-    Mesh copied = Checked(MeshOfArrays(arrays[0].cast<py::array>(), faces, arrays[2].cast<py::array>(),
-                                       {.skip_bad = options_.mesh.skip_bad}));
+    Mesh copied = Checked(MeshOfArrays(PartsOf(mesh), {.skip_bad = options_.mesh.skip_bad}));
     read_mesh_ = ReaderOf(std::move(copied), options_.mesh);
   }
   work_.reset(new Work([this](Work& work) { return Voxelize(work); }));

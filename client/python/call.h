@@ -40,7 +40,7 @@ class Connection {
 class Call {
  public:
   // Begins it.
-  //   mesh       a list of paths, or (vertices, list of faces, colors): see client/python/mesh_arrays.h
+  //   mesh       a list of paths, or a tuple of parts with the members of PartArrays
   //   keywords   of the request and of the connection
   //   streams    whether Next passes the voxels on; otherwise Wait returns all
   // Throws as ParseKeywords and MeshOfArrays.

@@ -7,11 +7,16 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "client/mesh/affine.h"
+#include "client/mesh/mesh_attributes.h"
 #include "client/mesh_files/bad_elements.h"
+#include "client/mesh_files/mesh_join.h"
 #include "client/mesh_files/polygon.h"
+#include "client/mesh_files/triangle_colors.h"
 #include "latvox/error.h"
 
 namespace latvox::client::python {
@@ -81,7 +86,19 @@ absl::Status CheckFace(py::ssize_t f, const int64_t* indices, size_t corners, co
   return absl::OkStatus();
 }
 
-absl::Status AddFaces(const py::array& given, BadElements& bad, Mesh& mesh) {
+// Colors of faces, and of the triangles that they become.
+struct FaceColors {
+  std::vector<Color> of_faces;  // none, or one for each face of all arrays
+  std::vector<std::optional<Color>> of_triangles = {};
+
+  // Gives the triangles that are new in the mesh the color of their face.
+  void Add(size_t face, const Mesh& mesh) {
+    if (!of_faces.empty()) of_triangles.resize(mesh.triangles.size(), of_faces[face]);
+  }
+};
+
+// Adds the faces of an array. `first` is the number of faces in the arrays before.
+absl::Status AddFaces(const py::array& given, size_t first, BadElements& bad, FaceColors& colors, Mesh& mesh) {
   if (!IsTable(given, "iu") || given.shape(1) < 3) {
     return WrongKind("faces", given, "(m, 3) integers, or more of them in a row");
   }
@@ -101,35 +118,74 @@ absl::Status AddFaces(const py::array& given, BadElements& bad, Mesh& mesh) {
     } else {
       Triangulate(face, mesh.positions, mesh.triangles);
     }
+    colors.Add(first + static_cast<size_t>(f), mesh);
   }
   return absl::OkStatus();
 }
 
-absl::Status AddColors(const py::array& given, Mesh& mesh) {
+size_t RowsOf(const py::array& array) { return array.ndim() == 0 ? 0 : static_cast<size_t>(array.shape(0)); }
+
+// Returns the rows of an array of colors: none, or `count`.
+absl::StatusOr<std::vector<Color>> ReadColors(const char* field, const py::array& given, size_t count,
+                                              const char* element) {
   if (!IsTable(given, "u") || given.itemsize() != 1 || given.shape(1) != 3 ||
-      (given.shape(0) != 0 && static_cast<size_t>(given.shape(0)) != mesh.positions.size())) {
-    return WrongKind("colors", given, absl::StrCat("(", mesh.positions.size(), ", 3) uint8, one row for each vertex"));
+      (RowsOf(given) != 0 && RowsOf(given) != count)) {
+    return WrongKind(field, given, absl::StrCat("(", count, ", 3) uint8, one row for each ", element));
   }
-  const auto colors = py::array_t<uint8_t, kInOrder>::ensure(given);
-  mesh.colors.resize(static_cast<size_t>(colors.shape(0)));
-  std::memcpy(mesh.colors.data(), colors.data(), mesh.colors.size() * sizeof(Color));
+  const auto rows = py::array_t<uint8_t, kInOrder>::ensure(given);
+  std::vector<Color> colors(RowsOf(rows));
+  std::memcpy(colors.data(), rows.data(), colors.size() * sizeof(Color));
+  return colors;
+}
+
+absl::Status AddPart(const PartArrays& part, const ParseOptions& options, Mesh& mesh) {
+  BadElements bad(options);
+  if (absl::Status status = AddPositions(part.vertices, options.skip_bad, mesh); !status.ok()) return status;
+  auto colors = ReadColors("colors", part.colors, mesh.positions.size(), "vertex");
+  if (!colors.ok()) return colors.status();
+  size_t faces = 0;
+  for (const py::array& one : part.faces) faces += RowsOf(one);
+  auto of_faces = ReadColors("face_colors", part.face_colors, faces, "face");
+  if (!of_faces.ok()) return of_faces.status();
+  FaceColors face_colors{*std::move(of_faces)};
+  size_t first = 0;
+  for (const py::array& one : part.faces) {
+    if (absl::Status status = AddFaces(one, first, bad, face_colors, mesh); !status.ok()) return status;
+    first += RowsOf(one);
+  }
+  bad.Report(mesh);
+  if (mesh.triangles.empty()) return Wrong("faces", "", "", ": the mesh has none", LeftOut(mesh));
+  mesh.no_color = part.no_color;
+  mesh.colors = *std::move(colors);
+  if (!mesh.colors.empty() && !face_colors.of_faces.empty()) {
+    WarnOfFaceColors(mesh);
+  } else if (!face_colors.of_faces.empty()) {
+    ColorTriangles(face_colors.of_triangles, mesh);
+  }
+  RemoveNotFinite(mesh);
+  SetName(0, part.name, mesh.part_names);
   return absl::OkStatus();
+}
+
+absl::Status WithPrefix(const std::string& prefix, const absl::Status& error) {
+  absl::Status status(error.code(), absl::StrCat(prefix, error.message()));
+  SetErrorDetails(GetErrorDetails(error), status);
+  return status;
 }
 
 }  // namespace
 
-absl::StatusOr<Mesh> MeshOfArrays(const py::array& vertices, const std::vector<py::array>& faces,
-                                  const py::array& colors, const ParseOptions& options) {
+absl::StatusOr<Mesh> MeshOfArrays(const std::vector<PartArrays>& parts, const ParseOptions& options) {
   Mesh mesh;
-  BadElements bad(options);
-  if (absl::Status status = AddPositions(vertices, options.skip_bad, mesh); !status.ok()) return status;
-  for (const py::array& one : faces) {
-    if (absl::Status status = AddFaces(one, bad, mesh); !status.ok()) return status;
+  for (size_t n = 0; n < parts.size(); ++n) {
+    const std::string named = parts[n].name.empty() ? "" : absl::StrCat(" (", parts[n].name, ")"),
+                      prefix = parts.size() == 1 ? "" : absl::StrCat("part ", n, named, ": ");
+    Mesh part;
+    absl::Status status = AddPart(parts[n], options, part);
+    for (Warning& warning : part.warnings) warning.message = prefix + warning.message;
+    if (status.ok()) status = Append(std::move(part), kIdentity, mesh);
+    if (!status.ok()) return WithPrefix(prefix, status);
   }
-  bad.Report(mesh);
-  if (mesh.triangles.empty()) return Wrong("faces", "", "", ": the mesh has none", LeftOut(mesh));
-  if (absl::Status status = AddColors(colors, mesh); !status.ok()) return status;
-  RemoveNotFinite(mesh);
   return mesh;
 }
 

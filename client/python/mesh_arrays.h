@@ -4,6 +4,7 @@
 
 #include <pybind11/numpy.h>
 
+#include <string>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -12,16 +13,25 @@
 
 namespace latvox::client::python {
 
-// Returns the mesh. Its arrays are copies, because a call sends positions and faces as one run of bytes, and because it
-// runs on while Python may change the arrays.
-//   vertices   (n, 3) numbers, world
-//   faces      each (m, k) integers, k >= 3: indices of vertices. Polygons are cut as those of files are
-//   colors     (n, 3) uint8: red, green, blue of each vertex; or (0, 3): there are none
-//   options    with skip_bad, faces are left out if an index is out of range or a corner is not finite
-// Errors: INVALID_ARGUMENT naming array, row, value and limit: a shape or type of another kind, a number that is not
-// finite, an index out of range, no face.
-absl::StatusOr<Mesh> MeshOfArrays(const pybind11::array& vertices, const std::vector<pybind11::array>& faces,
-                                  const pybind11::array& colors, const ParseOptions& options);
+// One part of a mesh.
+//   vertices      (n, 3) numbers, world
+//   faces         each (m, k) integers, k >= 3: indices of vertices. Polygons are cut as those of files are
+//   colors        (n, 3) uint8: red, green, blue of each vertex; or (0, 3): there are none
+//   face_colors   likewise of each face, in the order of `faces`. Those of vertices count before them
+//   no_color      why there are no colors, for the error of a call that needs them
+struct PartArrays {
+  pybind11::array vertices;
+  std::vector<pybind11::array> faces;
+  pybind11::array colors, face_colors;
+  std::string name, no_color;  // the name may be empty
+};
+
+// Returns the mesh of all parts, numbered in their order. Its arrays are copies, because a call sends positions and
+// faces as one run of bytes, and because it runs on while Python may change the arrays.
+//   options   with skip_bad, faces are left out if an index is out of range or a corner is not finite
+// Errors: INVALID_ARGUMENT naming array, row, value and limit, and the part if there are several: a shape or type of
+// another kind, a number that is not finite, an index out of range, no face.
+absl::StatusOr<Mesh> MeshOfArrays(const std::vector<PartArrays>& parts, const ParseOptions& options);
 
 }  // namespace latvox::client::python
 

@@ -8,6 +8,9 @@ import meshio
 import numpy as np
 import pytest
 from harness import BUNNY, box, encode_drc, octahedron, write_obj, write_ply, write_stl
+from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
+from vtkmodules.vtkCommonCore import vtkPoints
+from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData, vtkUnstructuredGrid
 
 VERTICES, TRIANGLES = (np.array(part) for part in octahedron())
 BOX = box([0] * 3, [1] * 3)
@@ -84,21 +87,33 @@ def test_a_path_is_never_standard_input():
         latvox.voxelize("-", input_format="obj")
 
 
+def vtk_numbers(array):
+    """Returns an array of VTK, which keeps its own memory."""
+    return (numpy_to_vtkIdTypeArray if array.dtype == np.int64 else numpy_to_vtk)(array, deep=True)
+
+
 class Trimesh:
     """As trimesh.Trimesh."""
 
-    def __init__(self, colors=None):
-        self.vertices, self.faces = VERTICES.astype(float), TRIANGLES
-        self.visual = types.SimpleNamespace(kind="vertex" if colors is not None else None, vertex_colors=colors)
+    def __init__(self, colors=None, face_colors=None, vertices=VERTICES):
+        self.vertices, self.faces = np.array(vertices, float), TRIANGLES
+        kind = "vertex" if colors is not None else "face" if face_colors is not None else None
+        self.visual = types.SimpleNamespace(kind=kind, vertex_colors=colors, face_colors=face_colors)
+
+
+class Graph(dict):
+    """As the graph of a trimesh.Scene: by node, a matrix and the name of a geometry."""
+
+    @property
+    def nodes_geometry(self):
+        return np.array(list(self))
 
 
 class Scene:
     """As trimesh.Scene."""
 
-    geometry, graph = {}, None
-
-    def to_mesh(self):
-        return Trimesh()
+    def __init__(self, geometry, **graph):
+        self.geometry, self.graph = geometry, Graph(graph)
 
 
 class Open3d:
@@ -126,23 +141,20 @@ class Open3dTensors:
         self.triangle = {"indices": Tensor(TRIANGLES)}
 
 
-class PolyData:
-    """As pyvista.PolyData."""
+class PolyData(vtkPolyData):
+    """As pyvista.PolyData, which is one of VTK, too."""
 
-    def __init__(self, faces):
-        self.points, self.faces, self.n_strips = VERTICES.astype(np.float32), np.concatenate(faces), 0
+    def __init__(self, faces, vertices=VERTICES):
+        self.faces, self.vertices = vtk_numbers(np.concatenate(faces).astype(np.int64)), vtkPoints()
+        self.vertices.SetData(vtk_numbers(np.array(vertices, np.float32)))
+        cells = vtkCellArray()
+        cells.ImportLegacyFormat(self.faces)
+        self.SetPoints(self.vertices)
+        self.SetPolys(cells)
 
-    def GetPoints(self):
-        return self.points
 
-
-class Grid:
-    """As pyvista.UnstructuredGrid: its cells are a flat array."""
-
-    points, cells = VERTICES, np.arange(3)
-
-    def GetPoints(self):
-        return self.points
+class Grid(vtkUnstructuredGrid):
+    """As pyvista.UnstructuredGrid."""
 
     def extract_surface(self):
         return PolyData([[3, *t] for t in TRIANGLES])
@@ -150,7 +162,7 @@ class Grid:
 
 OBJECTS = [
     Trimesh(),
-    Scene(),
+    Scene({"body": Trimesh()}, body=(np.eye(4), "body")),
     Open3d(),
     Open3dTensors(),
     PolyData([[3, *t] for t in TRIANGLES]),
@@ -177,14 +189,14 @@ def test_polygons_are_cut_like_those_of_files(tmp_path):
     path.write_text("\n".join(lines))
     options = {"resolution": 8, "fields": "triangle"}
     expected = latvox.voxelize(path, **options)
-    mixed = PolyData([[4, *quads[0]], [2, 0, 1], [4, *quads[1]], [3, *quads[2][:3]], [3, *quads[2][::2], quads[2][3]]])
+    faces = [[4, *quads[0]], [2, 0, 1], [4, *quads[1]], [3, *quads[2][:3]], [3, *quads[2][::2], quads[2][3]]]
+    mixed = PolyData(faces, vertices)
     for mesh in (
         (np.array(vertices, float), np.array(quads)),
         meshio.Mesh(np.array(vertices, float), [("quad", np.array(quads))]),
     ):
         v = latvox.voxelize(mesh, **options)
         assert np.array_equal(v.ijk, expected.ijk) and np.array_equal(v["triangle"], expected["triangle"])
-    mixed.points = np.array(vertices, float)
     assert latvox.voxelize(mixed, resolution=8).report["mesh"]["triangles"] == 6
 
 
@@ -255,10 +267,74 @@ def test_skip_bad_that_leaves_no_face_names_the_first_broken_one():
             latvox.voxelize((POINTS, np.array(faces)), skip_bad=True)
 
 
-@pytest.mark.parametrize("mesh", [None, 5, [], (1, 2, 3), object(), b"mesh.obj"])
+@pytest.mark.parametrize("mesh", [None, 5, [], (1, 2, 3), object(), b"mesh.obj", ["mesh.obj", (VERTICES, TRIANGLES)]])
 def test_other_objects_are_type_errors(mesh):
-    with pytest.raises(TypeError, match="mesh: "):
+    with pytest.raises(TypeError, match=r"mesh(\[[01]\])?: "):
         latvox.voxelize(mesh)
+
+
+def test_the_error_of_another_object_names_what_was_looked_for():
+    with pytest.raises(TypeError, match=r"mesh: builtins.object is neither .* trimesh \(vertices, faces\), Open3D .* VTK"):
+        latvox.voxelize(object())
+    with pytest.raises(TypeError, match=r"mesh\[1\]: builtins.int is neither"):
+        latvox.voxelize([(VERTICES, TRIANGLES), 5])
+    with pytest.raises(TypeError, match="vtkUnstructuredGrid is neither .*; pass its surface"):
+        latvox.voxelize(vtkUnstructuredGrid())
+
+
+CORNERS, FACES = VERTICES.astype(float), TRIANGLES
+SIDE_BY_SIDE = [(CORNERS + np.array([3 * n, 0, 0]), FACES) for n in range(3)]
+
+
+@pytest.mark.parametrize("count", [1, 2, 3])
+@pytest.mark.parametrize("kind", [list, tuple])
+@pytest.mark.parametrize("change", [np.asarray, np.ndarray.tolist], ids=["arrays", "lists"])
+def test_a_list_of_meshes_has_a_part_for_each(count, kind, change, tmp_path):
+    pairs = kind((change(vertices), change(faces)) for vertices, faces in SIDE_BY_SIDE[:count])
+    tuples = [(list(map(tuple, vertices.tolist())), faces) for vertices, faces in SIDE_BY_SIDE[:count]]
+    paths = [write_obj(tmp_path / f"{n}.obj", mesh) for n, mesh in enumerate(tuples)]
+    v, w = (latvox.voxelize(mesh, voxel_size=0.2, fields="part") for mesh in (pairs, paths))
+    assert v.digest == w.digest and np.array_equal(v["part"], w["part"])
+    assert np.unique(v["part"]).tolist() == list(range(count)) and v.names("part") == []
+    assert v.report["mesh"]["triangles"] == 8 * count
+
+
+def test_a_list_may_hold_objects_of_several_packages():
+    objects = [Trimesh(vertices=SIDE_BY_SIDE[0][0]), SIDE_BY_SIDE[1], meshio.Mesh(SIDE_BY_SIDE[2][0], [("triangle", FACES)])]
+    v, w = (latvox.voxelize(mesh, voxel_size=0.2, set="solid", labels="part") for mesh in (objects, SIDE_BY_SIDE))
+    assert v.digest == w.digest and np.array_equal(v["part"], w["part"]) and set(v["part"]) == {0, 1, 2}
+
+
+def test_errors_and_warnings_name_the_part():
+    broken = np.vstack([FACES, [[0, 1, 99]]])
+    with pytest.raises(latvox.InvalidArgument, match=r"^part 1: faces\[8\]: index 99 is not within") as caught:
+        latvox.voxelize([SIDE_BY_SIDE[0], (CORNERS, broken)])
+    assert (caught.value.field, caught.value.value, caught.value.reason) == ("faces", "99", "BAD_MESH")
+    with pytest.warns(latvox.VoxelizeWarning, match=r"^part 1: 1 broken element is left out: faces\[8\]"):
+        latvox.voxelize([SIDE_BY_SIDE[0], (CORNERS, broken)], resolution=9, skip_bad=True)
+
+
+def test_a_scene_has_a_named_part_for_each_node():
+    move, mirror = np.eye(4), np.diag([-1.0, 1, 1, 1])
+    move[0, 3], mirror[0, 3] = 3, 6
+    lopsided = CORNERS * [1.5, 1, 1] + [0.25, 0, 0]
+    points = types.SimpleNamespace(vertices=CORNERS)  # without faces
+    scene = Scene(
+        {"body": Trimesh(vertices=lopsided), "cloud": points},
+        heart=(np.eye(4), "body"), lung=(move, "body"), dots=(np.eye(4), "cloud"), other_lung=(mirror, "body"),
+    )  # fmt: skip
+    expected = [(lopsided, FACES), (lopsided + [3, 0, 0], FACES), (lopsided * [-1, 1, 1] + [6, 0, 0], FACES[:, ::-1])]
+    options = {"voxel_size": 0.2, "set": "solid", "rule": "winding", "labels": "part"}
+    v, w = (latvox.voxelize(mesh, **options) for mesh in (scene, expected))
+    assert v.digest == w.digest and np.array_equal(v["part"], w["part"])
+    assert v.names("part") == ["heart", "lung", "other_lung"]
+    lungs = latvox.voxelize(scene, **options, priority=["lung"])
+    assert np.count_nonzero(lungs["part"] == 1) >= np.count_nonzero(v["part"] == 1)
+    with pytest.raises(latvox.InvalidArgument, match="mesh: the scene has no mesh"):
+        latvox.voxelize(Scene({"cloud": points}, dots=(np.eye(4), "cloud")))
+    with pytest.raises(latvox.InvalidArgument, match=r"^part 1 \(b\): faces\[0\]: index"):
+        bad = types.SimpleNamespace(vertices=CORNERS[:1], faces=FACES)
+        latvox.voxelize(Scene({"good": Trimesh(), "bad": bad}, a=(move, "good"), b=(move, "bad")))
 
 
 def test_volume_cells_are_refused():

@@ -215,8 +215,8 @@ def _forget(client: Client) -> None:
 def voxelize(mesh: Any, *, progress: Optional[Progress] = None, **options: Any) -> Voxels:
     """Voxelizes a mesh, and waits for all voxels.
 
-    mesh: a path, or a list of paths, which form one mesh. Or (vertices, faces), arrays of (n, 3) numbers and (m, 3)
-        integers. Or a mesh of trimesh, meshio, PyVista or Open3D.
+    mesh: a path. Or (vertices, faces), arrays of (n, 3) numbers and (m, 3) integers. Or a mesh of trimesh, meshio, VTK,
+        PyVista or Open3D. Or a list of paths, or of other meshes: each is a part of one mesh, or several.
     progress: called with the share of the work that is done, 0 to 1. True: shows it on standard error, in a line that
         changes on a terminal, otherwise in a line for each tenth.
     options: those of the tool's command voxelize, with _ in place of -; listed below. Lists are sequences, flags are

@@ -3,40 +3,64 @@
 from __future__ import annotations
 
 import os
-from typing import Any, List, Tuple, Union
+from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Tuple, Union
 
 import numpy as np
 
 from ._errors import InvalidArgument
 
-# What _latvox takes: paths; or vertices (n, 3), faces (m, k) in their order, colors (n, 3) or (0, 3).
-Source = Union[List[str], Tuple[np.ndarray, List[np.ndarray], np.ndarray]]
-
-_NO_COLORS = np.empty((0, 3), np.uint8)
+_NONE = np.empty((0, 3), np.uint8)
 _WITHOUT_SURFACE = ("vertex", "line")  # cells of meshio
 _POLYGONS = ("triangle", "quad", "polygon")
+_COLORS = ("rgb", "rgba", "color", "colors")  # names of arrays, in any case
+_CHANNELS = ("red", "green", "blue")  # names of three arrays, as files of .ply have them
+
+
+class Part(NamedTuple):
+    """A part of a mesh, as _latvox takes it: the members of PartArrays."""
+
+    vertices: np.ndarray  # (n, 3)
+    faces: List[np.ndarray]  # each (m, k), in their order
+    colors: np.ndarray = _NONE  # (n, 3)
+    face_colors: np.ndarray = _NONE  # (all m, 3)
+    name: str = ""
+    no_color: str = ""  # why there are no colors
+
+
+Source = Union[List[str], Tuple[Part, ...]]  # paths, or parts
 
 
 def source_of(mesh: Any, with_colors: bool) -> Source:
     """Returns a mesh in the form that _latvox takes.
 
-    with_colors: whether the colors of vertices are needed.
+    with_colors: whether colors are needed.
     """
     if _is_path(mesh):
         return [_path(mesh)]
-    if isinstance(mesh, (list, tuple)):
-        if mesh and all(map(_is_path, mesh)):
-            return [_path(one) for one in mesh]
-        if len(mesh) == 2:
-            return np.asarray(mesh[0]), [np.asarray(mesh[1])], _NO_COLORS
-        raise TypeError(f"mesh: a sequence of {len(mesh)} is neither paths nor (vertices, faces)")
-    for read in (_vtk, _meshio, _open3d_tensor, _open3d, _trimesh):
+    if not isinstance(mesh, (list, tuple)) or _is_pair(mesh):
+        return tuple(_parts("mesh", mesh, with_colors))
+    if not mesh:
+        raise TypeError("mesh: an empty list has no mesh")
+    if all(map(_is_path, mesh)):
+        return [_path(one) for one in mesh]
+    return tuple(part for n, one in enumerate(mesh) for part in _parts(f"mesh[{n}]", one, with_colors))
+
+
+def _parts(place: str, mesh: Any, with_colors: bool) -> List[Part]:
+    """Returns the parts of one mesh, which is no path."""
+    if _is_pair(mesh):
+        return [Part(np.asarray(mesh[0]), [np.asarray(mesh[1])], no_color="arrays of vertices and faces have none")]
+    for read in (_scene, _vtk, _meshio, _open3d_tensor, _open3d, _trimesh):
         found = read(mesh, with_colors)
         if found is not None:
             return found
+    if _is_path(mesh):
+        raise TypeError(f"{place}: a list holds paths alone, or other meshes alone")
+    surface = hasattr(mesh, "GetPoints")
     raise TypeError(
-        f"mesh: {type(mesh).__module__}.{type(mesh).__name__} is neither a path, paths, (vertices, faces), nor a mesh of "
-        "trimesh, meshio, PyVista or Open3D"
+        f"{place}: {type(mesh).__module__}.{type(mesh).__name__} is neither a path, nor (vertices, faces), nor a list of "
+        "meshes, nor a mesh with the attributes of trimesh (vertices, faces), Open3D (vertices, triangles), meshio "
+        "(points, cells), or VTK and PyVista (GetPoints, GetPolys)" + ("; pass its surface" if surface else "")
     )
 
 
@@ -49,82 +73,178 @@ def _path(value: Any) -> str:
     return "./-" if path == "-" else path  # latvox would read standard input
 
 
+def _rank(value: Any) -> Optional[int]:
+    """Returns the number of axes of an array, a number, or nested lists of numbers; None for anything else."""
+    if isinstance(value, (int, float)):
+        return 0
+    if not isinstance(value, (list, tuple)):
+        return getattr(value, "ndim", None)
+    inner = _rank(value[0]) if value else 0
+    return None if inner is None else 1 + inner
+
+
+def _is_pair(value: Any) -> bool:
+    """Returns whether the value is (vertices, faces), and not a list of two such pairs."""
+    if not isinstance(value, (list, tuple)) or len(value) != 2:
+        return False
+    rank = _rank(value[0])
+    return rank is not None and not (rank > 2 and isinstance(value[0], (list, tuple)))
+
+
 def _bytes_of(colors: Any) -> np.ndarray:
-    """Returns colors (n, 3 or more), numbers between 0 and 1 or bytes, as bytes (n, 3)."""
+    """Returns colors (n, 3 or more), numbers between 0 and 1 or from 0 to 255, as bytes (n, 3)."""
     colors = np.asarray(colors)[:, :3]
     if colors.dtype.kind == "f":
-        colors = np.rint(np.clip(colors.astype(np.float64), 0, 1) * 255).astype(np.uint8)
-    return colors
+        return np.rint(np.clip(colors.astype(np.float64), 0, 1) * 255).astype(np.uint8)
+    if colors.size == 0 or (colors.min() >= 0 and colors.max() <= 255):
+        return colors.astype(np.uint8)
+    return colors  # _latvox refuses them
 
 
-def _vtk(mesh: Any, with_colors: bool) -> Source | None:
-    """PyVista: a PolyData, or any other dataset, which stands for its surface."""
-    if not (hasattr(mesh, "GetPoints") and hasattr(mesh, "points")):
+def _colors_among(arrays: Mapping[str, Any]) -> np.ndarray:
+    """Returns the colors that have one of the known names; (0, 3): there are none."""
+    named = {name.lower(): np.asarray(values) for name, values in arrays.items()}
+    for name in _COLORS:
+        values = named.get(name)
+        if values is not None and values.ndim == 2 and values.shape[1] in (3, 4):
+            return _bytes_of(values)
+    if all(channel in named and named[channel].ndim == 1 for channel in _CHANNELS):
+        return _bytes_of(np.column_stack([named[channel] for channel in _CHANNELS]))
+    return _NONE
+
+
+_NO_COLOR_ARRAY = f"looked for arrays {', '.join(_COLORS).upper()}, and {', '.join(_CHANNELS)}, of points and of cells"
+
+
+def _vtk(mesh: Any, with_colors: bool) -> Optional[List[Part]]:
+    """VTK and PyVista: a PolyData. Any other dataset of PyVista stands for its surface."""
+    if not hasattr(mesh, "GetPoints"):
         return None
-    if not hasattr(mesh, "faces"):
+    if not hasattr(mesh, "GetPolys") and hasattr(mesh, "extract_surface"):
         mesh = mesh.extract_surface()
-    if getattr(mesh, "n_strips", 0):
+    if not hasattr(mesh, "GetPolys"):
+        return None
+    if mesh.GetNumberOfStrips() > 0 and hasattr(mesh, "triangulate"):
         mesh = mesh.triangulate()
-    return np.asarray(mesh.points), _runs(np.asarray(mesh.faces)), _NO_COLORS
+    if mesh.GetNumberOfStrips() > 0:
+        raise _bad("strips", "polygons", "triangle strips are not read; pass the output of vtkTriangleFilter")
+    points = mesh.GetPoints()
+    vertices = np.empty((0, 3)) if points is None else np.asarray(points.GetData())
+    faces, has_surface = _runs(np.asarray(mesh.GetPolys().GetData()))
+    if not with_colors:
+        return [Part(vertices, faces)]
+    before = mesh.GetNumberOfVerts() + mesh.GetNumberOfLines()  # the cells of polygons come after them
+    of_cells = _vtk_colors(mesh.GetCellData())[before:][: len(has_surface)]
+    face_colors = of_cells[has_surface] if len(of_cells) else _NONE
+    return [Part(vertices, faces, _vtk_colors(mesh.GetPointData()), face_colors, no_color=_NO_COLOR_ARRAY)]
 
 
-def _runs(faces: np.ndarray) -> List[np.ndarray]:
-    """Splits VTK's list of faces, each its number of corners and then the corners, into arrays of faces of one size."""
+def _vtk_colors(data: Any) -> np.ndarray:
+    """Returns the colors among VTK's arrays of points or cells. Scalars of three or four bytes are colors, too."""
+    arrays = [data.GetArray(n) for n in range(data.GetNumberOfArrays())]
+    found = _colors_among({array.GetName(): array for array in arrays if array is not None and array.GetName()})
+    scalars = data.GetScalars()
+    if len(found) or scalars is None:
+        return found
+    values = np.asarray(scalars)
+    return _bytes_of(values) if values.dtype == np.uint8 and values.ndim == 2 and values.shape[1] in (3, 4) else _NONE
+
+
+def _runs(faces: np.ndarray) -> Tuple[List[np.ndarray], np.ndarray]:
+    """Splits VTK's list of faces, each its number of corners and then the corners, into arrays of faces of one size.
+
+    Also returns whether each face of the list is in an array: those of less than three corners are not.
+    """
     starts, at = [], 0
     if len(faces) % 4 == 0 and (faces[::4] == 3).all():
-        return [faces.reshape(-1, 4)[:, 1:]]
+        return [faces.reshape(-1, 4)[:, 1:]], np.ones(len(faces) // 4, bool)
     while at < len(faces):
         starts.append(at)
         at += 1 + int(faces[at])
     sizes = faces[starts]
     first = [n for n in range(len(sizes)) if n == 0 or sizes[n] != sizes[n - 1]]
     bounds = [starts[n] for n in first] + [len(faces)]
-    return [
+    runs = [
         faces[low:high].reshape(-1, 1 + sizes[n])[:, 1:] for n, low, high in zip(first, bounds, bounds[1:]) if sizes[n] >= 3
     ]
+    return runs, sizes >= 3
 
 
-def _meshio(mesh: Any, with_colors: bool) -> Source | None:
+def _bad(value: str, limit: str, text: str) -> InvalidArgument:
+    return InvalidArgument(f"mesh: {text}", reason="BAD_MESH", field="mesh", value=value, limit=limit)
+
+
+def _meshio(mesh: Any, with_colors: bool) -> Optional[List[Part]]:
     blocks = getattr(mesh, "cells", None)
     if not (hasattr(mesh, "points") and isinstance(blocks, list) and all(hasattr(b, "type") for b in blocks)):
         return None
-    unknown = {block.type for block in blocks} - {*_POLYGONS, *_WITHOUT_SURFACE}
+    unknown = ", ".join(sorted({block.type for block in blocks} - {*_POLYGONS, *_WITHOUT_SURFACE}))
     if unknown:
-        raise InvalidArgument(
-            f"mesh: cells of type {', '.join(sorted(unknown))} are not {', '.join(_POLYGONS)}; pass their surface",
-            reason="BAD_MESH",
-            field="mesh",
-            value=", ".join(sorted(unknown)),
-            limit=", ".join(_POLYGONS),
-        )
-    faces = [np.asarray(block.data) for block in blocks if block.type in _POLYGONS]
+        known = ", ".join(_POLYGONS)
+        raise _bad(unknown, known, f"cells of type {unknown} are not {known}; pass their surface")
+    of_faces = [n for n, block in enumerate(blocks) if block.type in _POLYGONS]
     points = np.asarray(mesh.points)
     if points.ndim == 2 and points.shape[1] == 2:
         points = np.column_stack([points, np.zeros(len(points))])
-    return points, faces, _NO_COLORS
+    faces = [np.asarray(blocks[n].data) for n in of_faces]
+    if not with_colors:
+        return [Part(points, faces)]
+    of_cells = {name: np.concatenate([data[n] for n in of_faces]) for name, data in mesh.cell_data.items() if of_faces}
+    return [Part(points, faces, _colors_among(mesh.point_data), _colors_among(of_cells), no_color=_NO_COLOR_ARRAY)]
 
 
-def _open3d_tensor(mesh: Any, with_colors: bool) -> Source | None:
+def _open3d_tensor(mesh: Any, with_colors: bool) -> Optional[List[Part]]:
     vertex, triangle = getattr(mesh, "vertex", None), getattr(mesh, "triangle", None)
     if vertex is None or triangle is None:
         return None
-    colors = _bytes_of(vertex["colors"].numpy()) if with_colors and "colors" in vertex else _NO_COLORS
-    return vertex["positions"].numpy(), [triangle["indices"].numpy()], colors
+
+    def colors_of(elements: Any) -> np.ndarray:
+        return _bytes_of(elements["colors"].numpy()) if with_colors and "colors" in elements else _NONE
+
+    faces = [triangle["indices"].numpy()]
+    why_not = "looked for colors of vertex and of triangle"
+    return [Part(vertex["positions"].numpy(), faces, colors_of(vertex), colors_of(triangle), no_color=why_not)]
 
 
-def _open3d(mesh: Any, with_colors: bool) -> Source | None:
+def _open3d(mesh: Any, with_colors: bool) -> Optional[List[Part]]:
     if not (hasattr(mesh, "vertices") and hasattr(mesh, "triangles")):
         return None
-    colors = np.asarray(mesh.vertex_colors) if with_colors else _NO_COLORS
-    return np.asarray(mesh.vertices), [np.asarray(mesh.triangles)], _bytes_of(colors) if len(colors) else _NO_COLORS
+    colors = np.asarray(mesh.vertex_colors) if with_colors else _NONE
+    faces = [np.asarray(mesh.triangles)]
+    return [Part(np.asarray(mesh.vertices), faces, _bytes_of(colors) if len(colors) else _NONE, no_color="vertex_colors is empty")]
 
 
-def _trimesh(mesh: Any, with_colors: bool) -> Source | None:
-    """A Trimesh, or a Scene, which stands for all its meshes in their places."""
-    if hasattr(mesh, "geometry") and hasattr(mesh, "graph"):
-        mesh = mesh.to_mesh() if hasattr(mesh, "to_mesh") else mesh.dump(concatenate=True)
+def _trimesh(mesh: Any, with_colors: bool) -> Optional[List[Part]]:
     if not (hasattr(mesh, "vertices") and hasattr(mesh, "faces")):
         return None
-    has_colors = with_colors and getattr(getattr(mesh, "visual", None), "kind", None) == "vertex"
-    colors = _bytes_of(mesh.visual.vertex_colors) if has_colors else _NO_COLORS
-    return np.asarray(mesh.vertices), [np.asarray(mesh.faces)], colors
+    colors: Dict[str, Any] = {}
+    kind = getattr(getattr(mesh, "visual", None), "kind", None)  # others have colors that trimesh made up
+    if with_colors and kind == "vertex":
+        colors["colors"] = _bytes_of(mesh.visual.vertex_colors)
+    elif with_colors and kind == "face":
+        colors["face_colors"] = _bytes_of(mesh.visual.face_colors)
+    elif with_colors:
+        colors["no_color"] = f"visual.kind is {kind!r}; only those of kind 'vertex' and 'face' are read"
+    return [Part(np.asarray(mesh.vertices), [np.asarray(mesh.faces)], **colors)]
+
+
+def _scene(scene: Any, with_colors: bool) -> Optional[List[Part]]:
+    """A Scene of trimesh: a part for each node with a mesh, in its place, with the node's name."""
+    if not (hasattr(scene, "geometry") and hasattr(scene, "graph")):
+        return None
+    parts = []
+    for node in scene.graph.nodes_geometry:
+        matrix, geometry = scene.graph[node]
+        for part in _trimesh(scene.geometry[geometry], with_colors) or []:  # points and curves have no faces
+            parts.append(_placed(part, np.asarray(matrix))._replace(name=str(node)))
+    if not parts:
+        raise _bad("", "", "the scene has no mesh")
+    return parts
+
+
+def _placed(part: Part, matrix: np.ndarray) -> Part:
+    """Returns the part moved by a matrix (4, 4). A mirror image keeps its outside: the order of corners changes."""
+    if np.array_equal(matrix, np.eye(4)):
+        return part
+    faces = [one[:, ::-1] for one in part.faces] if np.linalg.det(matrix[:3, :3]) < 0 else part.faces
+    return part._replace(vertices=part.vertices @ matrix[:3, :3].T + matrix[:3, 3], faces=faces)
