@@ -1,11 +1,14 @@
 """Keyword arguments are the tool's options, and mean the same."""
 
+import ast
 import re
+import sys
 
 import latvox
 import numpy as np
 import pytest
 from bodies import write_bodies
+from conftest import ROOT
 from harness import BUNNY, box, latvox as run_tool, octahedron, write_obj
 
 # For each keyword, values that make sense, and what they need besides.
@@ -74,6 +77,27 @@ def test_keywords_are_the_options_of_the_tool():
     shown = re.findall(r"^  (?:-\w, )?--([a-z-]+)", run_tool("voxelize", "--help").stdout, re.M)
     assert len(shown) > 40
     assert {name.replace("-", "_") for name in shown} - OF_COMMAND_LINE == latvox.KEYWORDS.keys()
+
+
+def test_types_for_editors_are_those_of_the_options():
+    sys.path.insert(0, str(ROOT / "client/python/stubs"))
+    from options_stub import stub
+
+    written = (ROOT / "client/python/latvox/_options.pyi").read_text()
+    assert written == stub(), "renew it by client/python/stubs/options_stub.py"
+    scopes = {"RequestOptions": "request", "CallOptions": "call", "ConnectionOptions": "connection"}
+    classes = [node for node in ast.parse(written).body if isinstance(node, ast.ClassDef)]
+    for node in classes:
+        names = {line.target.id for line in node.body if isinstance(line, ast.AnnAssign)}
+        assert names == {name for name, facts in latvox.KEYWORDS.items() if facts["scope"] == scopes.get(node.name)}
+    assert len(classes) == 6 and '    lattice: Optional[Literal["cartesian", "bcc", "fcc", "hexagonal"]]\n' in written
+
+
+def test_signatures_name_types_that_exist():
+    tree = ast.parse((ROOT / "client/python/latvox/_calls.py").read_text())
+    functions = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef) and node.args.kwarg]
+    typed = {ast.unparse(node.args.kwarg.annotation) for node in functions if node.name != "_describe"}
+    assert typed == {"Unpack[AllOptions]", "Unpack[ClientCallOptions]", "Unpack[ClientOptions]"}
 
 
 def test_every_option_of_a_request_has_a_value_here():

@@ -9,19 +9,24 @@ import pathlib
 import sys
 import textwrap
 import threading
-from typing import Any, Callable, Dict, Iterable, Iterator, List, Optional, TextIO, Union
+from typing import TYPE_CHECKING, Any, Callable, Dict, Iterable, Iterator, List, Mapping, Optional, TextIO, Union
 
 from . import _latvox
 from ._errors import Unavailable
 from ._meshes import source_of
 from ._voxels import Bricks, Voxels
 
+if TYPE_CHECKING:  # Python 3.9 has no Unpack, and _options is a stub
+    from typing_extensions import Unpack
+
+    from ._options import AllOptions, ClientCallOptions, ClientOptions
+
 KEYWORDS: Dict[str, Dict[str, str]] = _latvox.keywords()
 EXTENSIONS: List[str] = _latvox.extensions()
 Progress = Union[Callable[[float], Any], bool]
 
 
-def _refuse_unknown(options: Dict[str, Any], *scopes: str) -> None:
+def _refuse_unknown(options: Mapping[str, Any], *scopes: str) -> None:
     """Throws TypeError for a name that is no keyword argument of these scopes."""
     for name in options:
         if KEYWORDS.get(name, {}).get("scope") in scopes:
@@ -41,7 +46,7 @@ def _server() -> str:
     return "" if os.environ.get("LATVOX_LATVOXD") or not program.exists() else str(program)
 
 
-def _begin(client: Client, mesh: Any, options: Dict[str, Any], streams: bool = False) -> _latvox.Call:
+def _begin(client: Client, mesh: Any, options: Mapping[str, Any], streams: bool = False) -> _latvox.Call:
     _refuse_unknown(options, "request", "call")
     fields = options.get("fields")
     names = fields.split(",") if isinstance(fields, str) else list(fields if fields is not None else ())
@@ -132,21 +137,27 @@ class Client:
     Errors: Unavailable if no server can be reached or started; InvalidArgument.
     """
 
-    def __init__(self, address: Optional[str] = None, *, token: Optional[str] = None, **options: Any) -> None:
+    def __init__(
+        self, address: Optional[str] = None, *, token: Optional[str] = None, **options: Unpack[ClientOptions]
+    ) -> None:
         """Connects, or starts a private server."""
         _refuse_unknown(options, "connection", "call")
-        self._options = options if address is None else {**options, "server": address}
+        self._options: Dict[str, Any] = {**options} if address is None else {**options, "server": address}
         self._connection = _latvox.Connection(self._options, token or "", _server())
 
-    def voxelize(self, mesh: Any, *, progress: Optional[Progress] = None, **options: Any) -> Voxels:
+    def voxelize(
+        self, mesh: Any, *, progress: Optional[Progress] = None, **options: Unpack[ClientCallOptions]
+    ) -> Voxels:
         """Voxelizes a mesh, and waits for all voxels. See latvox.voxelize."""
         return _end(_begin(self, mesh, options), progress, 2)
 
-    def stream(self, mesh: Any, **options: Any) -> Stream:
+    def stream(self, mesh: Any, **options: Unpack[ClientCallOptions]) -> Stream:
         """Begins to voxelize a mesh. See latvox.stream."""
         return Stream(_begin(self, mesh, options, streams=True))
 
-    def voxelize_many(self, meshes: Iterable[Any], *, jobs: Optional[int] = None, **options: Any) -> Iterator[Voxels]:
+    def voxelize_many(
+        self, meshes: Iterable[Any], *, jobs: Optional[int] = None, **options: Unpack[ClientCallOptions]
+    ) -> Iterator[Voxels]:
         """Voxelizes meshes, several at once. See latvox.voxelize_many."""
         return _many(self, meshes, jobs, options)
 
@@ -163,7 +174,7 @@ class Client:
         self.close()
 
 
-def _many(client: Client, meshes: Iterable[Any], jobs: Optional[int], options: Dict[str, Any]) -> Iterator[Voxels]:
+def _many(client: Client, meshes: Iterable[Any], jobs: Optional[int], options: Mapping[str, Any]) -> Iterator[Voxels]:
     calls: collections.deque[_latvox.Call] = collections.deque()
     most = jobs or os.cpu_count() or 1
     try:
@@ -191,7 +202,7 @@ def _after_fork() -> None:
 os.register_at_fork(after_in_child=_after_fork)
 
 
-def _choose(options: Dict[str, Any]) -> tuple[Client, Dict[str, Any]]:
+def _choose(options: Mapping[str, Any]) -> tuple[Client, Dict[str, Any]]:
     """Returns the client that the options name, and the other options."""
     chosen = {name: options[name] for name in options if KEYWORDS.get(name, {}).get("scope") == "connection"}
     others = {name: value for name, value in options.items() if name not in chosen}
@@ -212,7 +223,7 @@ def _forget(client: Client) -> None:
             del _private[threads]
 
 
-def voxelize(mesh: Any, *, progress: Optional[Progress] = None, **options: Any) -> Voxels:
+def voxelize(mesh: Any, *, progress: Optional[Progress] = None, **options: Unpack[AllOptions]) -> Voxels:
     """Voxelizes a mesh, and waits for all voxels.
 
     mesh: a path. Or (vertices, faces), arrays of (n, 3) numbers and (m, 3) integers. Or a mesh of trimesh, meshio, VTK,
@@ -236,7 +247,7 @@ def voxelize(mesh: Any, *, progress: Optional[Progress] = None, **options: Any) 
         raise
 
 
-def stream(mesh: Any, **options: Any) -> Stream:
+def stream(mesh: Any, **options: Unpack[AllOptions]) -> Stream:
     """Begins to voxelize a mesh, and returns its batches of bricks as they come. The memory is that of a few batches.
 
     mesh, options: as for voxelize.
@@ -245,7 +256,9 @@ def stream(mesh: Any, **options: Any) -> Stream:
     return Stream(_begin(client, mesh, others, streams=True))
 
 
-def voxelize_many(meshes: Iterable[Any], *, jobs: Optional[int] = None, **options: Any) -> Iterator[Voxels]:
+def voxelize_many(
+    meshes: Iterable[Any], *, jobs: Optional[int] = None, **options: Unpack[AllOptions]
+) -> Iterator[Voxels]:
     """Voxelizes meshes, several at once, and yields their voxels in the order of the meshes.
 
     jobs: the most calls at once; None: one for each core. At most `jobs` answers are in memory. The server needs memory
@@ -279,8 +292,10 @@ def _describe(function: Callable, *scopes: str) -> None:
     function.__doc__ = inspect.cleandoc(function.__doc__ or "") + "\n\nOptions:\n" + "\n".join(lines) + "\n"
 
 
-for _function in (voxelize, stream, voxelize_many):
+_FUNCTIONS: List[Callable] = [voxelize, stream, voxelize_many]
+_METHODS: List[Callable] = [Client.voxelize, Client.stream, Client.voxelize_many]
+for _function in _FUNCTIONS:
     _describe(_function, "request", "call", "connection")
-for _function in (Client.voxelize, Client.stream, Client.voxelize_many):
+for _function in _METHODS:
     _describe(_function, "request", "call")
 _describe(Client.__init__, "connection", "call")

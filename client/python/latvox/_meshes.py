@@ -56,11 +56,11 @@ def _parts(place: str, mesh: Any, with_colors: bool) -> List[Part]:
             return found
     if _is_path(mesh):
         raise TypeError(f"{place}: a list holds paths alone, or other meshes alone")
-    surface = hasattr(mesh, "GetPoints")
     raise TypeError(
-        f"{place}: {type(mesh).__module__}.{type(mesh).__name__} is neither a path, nor (vertices, faces), nor a list of "
-        "meshes, nor a mesh with the attributes of trimesh (vertices, faces), Open3D (vertices, triangles), meshio "
-        "(points, cells), or VTK and PyVista (GetPoints, GetPolys)" + ("; pass its surface" if surface else "")
+        f"{place}: {type(mesh).__module__}.{type(mesh).__name__} is neither a path, nor (vertices, faces), nor a list of"
+        " meshes, nor a mesh with the attributes of trimesh (vertices, faces), Open3D (vertices, triangles), meshio"
+        " (points, cells), or VTK and PyVista (GetPoints, GetPolys)"
+        + ("; pass its surface" if hasattr(mesh, "GetPoints") else "")
     )
 
 
@@ -210,8 +210,9 @@ def _open3d(mesh: Any, with_colors: bool) -> Optional[List[Part]]:
     if not (hasattr(mesh, "vertices") and hasattr(mesh, "triangles")):
         return None
     colors = np.asarray(mesh.vertex_colors) if with_colors else _NONE
+    found = _bytes_of(colors) if len(colors) else _NONE
     faces = [np.asarray(mesh.triangles)]
-    return [Part(np.asarray(mesh.vertices), faces, _bytes_of(colors) if len(colors) else _NONE, no_color="vertex_colors is empty")]
+    return [Part(np.asarray(mesh.vertices), faces, found, no_color="vertex_colors is empty")]
 
 
 def _trimesh(mesh: Any, with_colors: bool) -> Optional[List[Part]]:
