@@ -61,7 +61,8 @@ def _files(folder):
     """Returns the files of the package, by their names in the wheel."""
     module = f"latvox/_latvox{sysconfig.get_config_var('EXT_SUFFIX')}"
     if not (folder / "client/python" / module).exists():
-        raise FileNotFoundError(f"{folder}: has no module for Python {sys.version_info[0]}.{sys.version_info[1]}, {module}")
+        major, minor = sys.version_info[:2]
+        raise FileNotFoundError(f"{folder}: has no module for Python {major}.{minor}, {module}")
     files = {module: folder / "client/python" / module}
     for pattern in ("*.py", "*.pyi", "py.typed"):
         files |= {f"latvox/{path.name}": path for path in (_HERE / "latvox").glob(pattern)}

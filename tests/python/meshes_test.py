@@ -210,6 +210,154 @@ def test_colors_of_vertices():
         latvox.voxelize(Trimesh(), resolution=9, fields=["color"])
 
 
+RED, BLUE = [255, 0, 0], [0, 0, 255]
+OF_VERTICES = np.array([RED] * 6, np.uint8)
+OF_FACES = np.array([RED] * 4 + [BLUE] * 4, np.uint8)
+
+
+def faces_of(mesh):
+    """Voxelizes for colors. Returns the color of each triangle that is nearest to a voxel in its middle."""
+    v = latvox.voxelize(mesh, resolution=30, fields=["color", "triangle", "point"])
+    middle = (v["point"].min(1) > 0.1) & (v["point"].sum(1) < 0.9)
+    return {t: {tuple(c) for c in v["color"][middle & (v["triangle"] == t)].tolist()} for t in range(8)}
+
+
+EXPECTED = {t: {tuple(OF_FACES[t].tolist())} for t in range(8)}
+
+
+def with_arrays(of_points=None, of_cells=None, cells=None, scalars=False):
+    """Returns a plain vtkPolyData with arrays of colors by name."""
+    mesh = vtkPolyData()
+    mesh.ShallowCopy(PolyData(cells or [[3, *t] for t in TRIANGLES]))
+    for data, arrays in ((mesh.GetPointData(), of_points or {}), (mesh.GetCellData(), of_cells or {})):
+        for name, values in arrays.items():
+            array = vtk_numbers(values)
+            array.SetName(name)
+            (data.SetScalars if scalars else data.AddArray)(array)
+    return mesh
+
+
+RGBA = np.column_stack([OF_VERTICES, OF_VERTICES[:, 0]])
+CHANNELS = dict(zip(("red", "green", "blue"), np.ascontiguousarray(OF_VERTICES.T), strict=True))
+
+
+@pytest.mark.parametrize(
+    "mesh",
+    [
+        with_arrays({"RGB": OF_VERTICES}),
+        with_arrays({"Normals": VERTICES.astype(np.float32), "RGBA": RGBA}),
+        with_arrays({"colors": (OF_VERTICES / 255).astype(np.float32)}),
+        with_arrays({"anything": RGBA}, scalars=True),
+        with_arrays(CHANNELS),
+        meshio.Mesh(VERTICES.astype(float), [("triangle", TRIANGLES)], point_data={"RGB": OF_VERTICES}),
+        meshio.Mesh(VERTICES.astype(float), [("triangle", TRIANGLES)], point_data=CHANNELS | {"nx": np.zeros(6)}),
+        meshio.Mesh(VERTICES.astype(float), [("triangle", TRIANGLES)], point_data={"Colors": OF_VERTICES.astype(int)}),
+    ],
+)  # fmt: skip
+def test_colors_of_points(mesh):
+    assert faces_of(mesh) == {t: {tuple(RED)} for t in range(8)}
+
+
+MIXED = [[2, 0, 1], *([3, *t] for t in TRIANGLES)]  # a face of two corners is none
+
+
+@pytest.mark.parametrize(
+    "mesh",
+    [
+        Trimesh(face_colors=np.column_stack([OF_FACES, OF_FACES[:, 0]])),
+        with_arrays(of_cells={"RGB": OF_FACES}),
+        with_arrays(of_cells={"anything": OF_FACES}, scalars=True),
+        with_arrays(of_cells={"RGB": np.vstack([[[0, 255, 0]], OF_FACES]).astype(np.uint8)}, cells=MIXED),
+        Open3dTensors(),
+        meshio.Mesh(
+            VERTICES.astype(float),
+            [("line", TRIANGLES[:, :2]), ("triangle", TRIANGLES[:3]), ("triangle", TRIANGLES[3:])],
+            cell_data={"RGB": [OF_FACES[::-1], OF_FACES[:3], OF_FACES[3:]]},
+        ),
+    ],
+)
+def test_colors_of_faces(mesh):
+    if isinstance(mesh, Open3dTensors):
+        mesh.triangle["colors"] = Tensor((OF_FACES / 255).astype(np.float32))
+    assert faces_of(mesh) == EXPECTED
+
+
+def test_cells_of_points_and_lines_come_before_those_of_faces():
+    mesh = with_arrays(of_cells={"RGB": np.vstack([[[0, 255, 0]] * 3, OF_FACES]).astype(np.uint8)})
+    for add, count in ((mesh.SetVerts, 1), (mesh.SetLines, 2)):
+        cells = vtkCellArray()
+        cells.ImportLegacyFormat(vtk_numbers(np.array([count, *range(count)] * count, np.int64)))
+        add(cells)
+    assert faces_of(mesh) == EXPECTED
+
+
+def test_polygons_give_their_color_to_all_their_triangles():
+    vertices, _ = BOX
+    quads = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
+    colors = np.array([[40 * n, 0, 0] for n in range(6)], np.uint8)
+    mesh = meshio.Mesh(np.array(vertices, float), [("quad", np.array(quads))], cell_data={"RGB": [colors]})
+    v = latvox.voxelize(mesh, resolution=9, fields=["color", "triangle"])
+    assert np.array_equal(v["color"][:, 0], v["triangle"] // 2 * 40)
+
+
+def test_broken_faces_take_no_color():
+    faces, colors = np.vstack([[[0, 1, 99]], TRIANGLES]), np.vstack([[[0, 255, 0]], OF_FACES]).astype(np.uint8)
+    mesh = meshio.Mesh(VERTICES.astype(float), [("triangle", faces)], cell_data={"RGB": [colors]})
+    with pytest.warns(latvox.VoxelizeWarning, match="1 broken element"):
+        v = latvox.voxelize(mesh, resolution=9, fields=["color", "triangle"], skip_bad=True)
+    assert set(map(tuple, v["color"].tolist())) == {tuple(RED), tuple(BLUE)}
+
+
+def test_colors_of_points_count_before_those_of_faces():
+    with pytest.warns(latvox.VoxelizeWarning, match="faces and vertices have colors") as caught:
+        assert faces_of(with_arrays({"RGB": OF_VERTICES}, {"RGB": OF_FACES})) == {t: {tuple(RED)} for t in range(8)}
+    assert caught[0].message.code == "IGNORED_COLOR"
+
+
+def test_parts_of_a_scene_keep_their_colors():
+    move = np.eye(4)
+    move[0, 3] = 5
+    scene = Scene({"a": Trimesh(colors=OF_VERTICES), "b": Trimesh(face_colors=OF_FACES)}, a=(np.eye(4), "a"), b=(move, "b"))
+    v = latvox.voxelize(scene, resolution=40, fields=["color", "part"])
+    assert (v["color"][v["part"] == 0] == RED).all() and set(map(tuple, v["color"][v["part"] == 1].tolist())) == {
+        tuple(RED),
+        tuple(BLUE),
+    }
+
+
+@pytest.mark.parametrize(
+    ("mesh", "text"),
+    [
+        (Trimesh(), "visual.kind is None; only those of kind 'vertex' and 'face' are read"),
+        (Open3d(), "vertex_colors is empty"),
+        (Open3dTensors(), "looked for colors of vertex and of triangle"),
+        (with_arrays({"Normals": VERTICES.astype(np.float32)}), "looked for arrays RGB, RGBA, COLOR, COLORS, and red, green"),
+        (meshio.Mesh(VERTICES, [("triangle", TRIANGLES)]), "looked for arrays RGB, RGBA"),
+        ((VERTICES, TRIANGLES), "arrays of vertices and faces have none"),
+    ],
+)
+def test_the_error_of_missing_colors_tells_where_they_were_looked_for(mesh, text):
+    with pytest.raises(latvox.InvalidArgument, match=rf"the mesh, or some of it, has no color \({text}") as caught:
+        latvox.voxelize(mesh, resolution=9, fields="color")
+    assert (caught.value.reason, caught.value.field, caught.value.value) == ("BAD_MESH", "mesh", "color")
+
+
+def test_numbers_that_are_no_colors_are_refused():
+    mesh = meshio.Mesh(VERTICES, [("triangle", TRIANGLES)], point_data={"RGB": np.full((6, 3), 300)})
+    with pytest.raises(latvox.InvalidArgument, match=r"colors: an array of shape \(6, 3\) and type int64 is not \(6, 3\) uint8"):
+        latvox.voxelize(mesh, resolution=9, fields="color")
+
+
+def test_plain_objects_of_vtk(digest):
+    mesh = with_arrays()
+    assert type(mesh) is vtkPolyData and latvox.voxelize(mesh, **OPTIONS).digest == digest
+    mesh.SetStrips(mesh.GetPolys())
+    with pytest.raises(latvox.InvalidArgument, match="mesh: triangle strips are not read; pass the output of vtkTriangleFilter"):
+        latvox.voxelize(mesh)
+    with pytest.raises(latvox.InvalidArgument, match="faces: the mesh has none"):
+        latvox.voxelize(vtkPolyData())
+
+
 POINTS = VERTICES.astype(float)
 
 

@@ -57,8 +57,8 @@ def _parts(place: str, mesh: Any, with_colors: bool) -> List[Part]:
     if _is_path(mesh):
         raise TypeError(f"{place}: a list holds paths alone, or other meshes alone")
     raise TypeError(
-        f"{place}: {type(mesh).__module__}.{type(mesh).__name__} is neither a path, nor (vertices, faces), nor a list of"
-        " meshes, nor a mesh with the attributes of trimesh (vertices, faces), Open3D (vertices, triangles), meshio"
+        f"{place}: {type(mesh).__module__}.{type(mesh).__name__} is neither a path, nor (vertices, faces), nor a list"
+        " of meshes, nor a mesh with the attributes of trimesh (vertices, faces), Open3D (vertices, triangles), meshio"
         " (points, cells), or VTK and PyVista (GetPoints, GetPolys)"
         + ("; pass its surface" if hasattr(mesh, "GetPoints") else "")
     )
@@ -165,7 +165,9 @@ def _runs(faces: np.ndarray) -> Tuple[List[np.ndarray], np.ndarray]:
     first = [n for n in range(len(sizes)) if n == 0 or sizes[n] != sizes[n - 1]]
     bounds = [starts[n] for n in first] + [len(faces)]
     runs = [
-        faces[low:high].reshape(-1, 1 + sizes[n])[:, 1:] for n, low, high in zip(first, bounds, bounds[1:]) if sizes[n] >= 3
+        faces[low:high].reshape(-1, 1 + sizes[n])[:, 1:]
+        for n, low, high in zip(first, bounds, bounds[1:])
+        if sizes[n] >= 3
     ]
     return runs, sizes >= 3
 

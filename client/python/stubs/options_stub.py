@@ -1,29 +1,17 @@
-"""Prints the types of keyword arguments, client/python/latvox/_options.pyi, from the options of the tool.
+"""Makes the types of keyword arguments, client/python/latvox/_options.pyi, from the options of the tool.
 
-    export PYTHONPATH=build/release/client/python
-    python3 client/python/stubs/options_stub.py >client/python/latvox/_options.pyi
+    PYTHONPATH=build/release/client/python python3 client/python/stubs/options_stub.py
+
+The imports and the shorter names at the top of the file stay as they are.
 """
 
+import pathlib
 import re
 import textwrap
 
 import latvox
 
-HEAD = '''\
-"""Types of keyword arguments, for editors and type checkers. Made by client/python/stubs/options_stub.py."""
-
-import os
-from typing import Literal, Optional, Sequence, TypedDict, Union
-
-import numpy as np
-
-_Integer = Union[int, np.integer]
-_Number = Union[float, np.integer, np.floating]
-_Numbers = Union[Sequence[_Number], Sequence[Sequence[_Number]], np.ndarray, str]
-_Path = Union[str, os.PathLike[str]]
-_Names = Union[str, Sequence[str], np.ndarray]
-_Labels = Union[str, _Integer, Sequence[Union[str, _Integer]], np.ndarray]
-'''
+FILE = pathlib.Path(__file__).resolve().parents[1] / "latvox/_options.pyi"
 
 # Types by the name of the value in the tool's help. A flag has none.
 TYPES = {
@@ -78,7 +66,7 @@ def line_of(key, value):
 
 def stub():
     """Returns the content of the file."""
-    text = HEAD
+    text = FILE.read_text().partition("\nclass ")[0]
     for name, (bases, about, scope) in CLASSES.items():
         text += f'\nclass {name}({bases or "TypedDict"}, total=False):\n    """{about}"""\n'
         options = {key: facts["value"] for key, facts in latvox.KEYWORDS.items() if scope == facts["scope"]}
@@ -87,4 +75,4 @@ def stub():
 
 
 if __name__ == "__main__":
-    print(stub(), end="")
+    FILE.write_text(stub())
