@@ -35,31 +35,36 @@ struct Keyword {
   bool is_flag() const { return facts.value.empty(); }
 };
 
-const std::string& LongName(const OptionFacts& facts) {
+// Returns "" for a positional word.
+std::string LongName(const OptionFacts& facts) {
   const auto is_long = [](const std::string& name) { return absl::StartsWith(name, "--"); };
-  return *std::find_if(facts.names.begin(), facts.names.end(), is_long);
+  const auto found = std::find_if(facts.names.begin(), facts.names.end(), is_long);
+  return found == facts.names.end() ? "" : *found;
+}
+
+// Returns the keywords of a command. Positional words have none.
+std::vector<Keyword> KeywordsOf(const CommandParser& command) {
+  std::vector<Keyword> keywords;
+  for (OptionFacts& facts : command.Describe().options) {
+    const std::string option = LongName(facts);
+    if (option.empty() || option == "--help") continue;
+    keywords.push_back({absl::StrReplaceAll(option.substr(2), {{"-", "_"}}), option, std::move(facts)});
+  }
+  return keywords;
 }
 
 const std::vector<Keyword>& AllKeywords() {
-  static const auto* const kAll = [] {
-    auto* const all = new std::vector<Keyword>;
-    for (OptionFacts& facts : Parser().command.Describe().options) {
-      const std::string option = LongName(facts);
-      if (option == "--help") continue;
-      all->push_back({absl::StrReplaceAll(option.substr(2), {{"-", "_"}}), option, std::move(facts)});
-    }
-    return all;
-  }();
+  static const auto* const kAll = new std::vector<Keyword>(KeywordsOf(Parser().command));
   return *kAll;
 }
 
-const Keyword& Find(const std::string& name) {
-  for (const Keyword& keyword : AllKeywords()) {
+const Keyword& Find(const std::string& name, const std::vector<Keyword>& keywords) {
+  for (const Keyword& keyword : keywords) {
     if (keyword.name == name) return keyword;
   }
   const auto add = [](std::string* out, const Keyword& keyword) { *out += keyword.name; };
   throw py::type_error(
-      absl::StrCat("unknown keyword argument '", name, "'; known are ", absl::StrJoin(AllKeywords(), ", ", add)));
+      absl::StrCat("unknown keyword argument '", name, "'; known are ", absl::StrJoin(keywords, ", ", add)));
 }
 
 [[noreturn]] void RefuseType(const Keyword& keyword, py::handle value) {
@@ -106,6 +111,16 @@ void AddWords(const Keyword& keyword, const CommandParser& command, py::handle g
   }
 }
 
+// Returns the words of a command line for the keywords.
+std::vector<std::string> WordsOf(const py::dict& given, const std::vector<Keyword>& keywords,
+                                 const CommandParser& command) {
+  std::vector<std::string> words;
+  for (const auto& [name, value] : given) {
+    if (!value.is_none()) AddWords(Find(py::str(name), keywords), command, value, words);
+  }
+  return words;
+}
+
 }  // namespace
 
 py::dict Keywords() {
@@ -127,16 +142,38 @@ py::dict Keywords() {
 
 absl::StatusOr<VoxelizeOptions> ParseKeywords(const py::dict& keywords, const std::vector<std::string>& paths) try {
   Parser parser;
-  std::vector<std::string> words;
-  for (const auto& [name, value] : keywords) {
-    if (!value.is_none()) AddWords(Find(py::str(name)), parser.command, value, words);
-  }
-  parser.command.Parse(std::move(words));
+  parser.command.Parse(WordsOf(keywords, AllKeywords(), parser.command));
   parser.words.options.mesh.paths = paths;
   NameRemoteFiles(parser.words.options);
   VoxelizeOptions options = InterpretRequest(parser.words);
   CheckMeshPaths(options.mesh, options.outputs);
   return options;
+} catch (const UsageError& error) {
+  return ToStatus(error);
+}
+
+absl::StatusOr<ConvertOptions> ParseConvertKeywords(const py::dict& keywords, const std::string& path) try {
+  ConvertWords words;
+  CommandParser command;
+  AddConvertOptions(command, words);
+  std::vector<std::string> line = WordsOf(keywords, KeywordsOf(command), command);
+  line.push_back(path);
+  command.Parse(std::move(line));
+  return Interpret(words);
+} catch (const UsageError& error) {
+  return ToStatus(error);
+}
+
+absl::StatusOr<MergeWords> ParseMergeWords(const std::vector<std::string>& parts, const std::string& out) try {
+  MergeWords words;
+  CommandParser command;
+  AddMergeOptions(command, words);
+  std::vector<std::string> line = parts;
+  line.push_back("--out=" + out);
+  line.emplace_back("--json");
+  command.Parse(std::move(line));
+  client::Check(words);
+  return words;
 } catch (const UsageError& error) {
   return ToStatus(error);
 }

@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "client/tool/cli/convert_command.h"
+#include "client/tool/cli/merge_command.h"
 #include "client/tool/cli/voxelize_options.h"
 
 namespace latvox::client::python {
@@ -21,6 +23,12 @@ pybind11::dict Keywords();
 // checks apply as on the command line. Throws TypeError for a name that is no option, and for a value that is neither
 // a text, number or path nor a sequence of these. Errors: INVALID_ARGUMENT naming keyword, value and limit.
 absl::StatusOr<VoxelizeOptions> ParseKeywords(const pybind11::dict& keywords, const std::vector<std::string>& paths);
+
+// Likewise those of `latvox convert` for this file.
+absl::StatusOr<ConvertOptions> ParseConvertKeywords(const pybind11::dict& keywords, const std::string& path);
+
+// Returns the words of `latvox merge --json`, checked as on the command line. Errors: INVALID_ARGUMENT.
+absl::StatusOr<MergeWords> ParseMergeWords(const std::vector<std::string>& parts, const std::string& out);
 
 // Returns a text of the tool with keywords in place of options: "voxel_size" in place of "--voxel-size".
 std::string WithKeywords(const std::string& text);

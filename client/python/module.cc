@@ -4,6 +4,7 @@
 
 #include "client/python/arguments.h"
 #include "client/python/call.h"
+#include "client/python/files.h"
 #include "client/python/voxels.h"
 #include "client/python/work.h"
 #include "client/tool/output/output.h"
@@ -72,6 +73,9 @@ PYBIND11_MODULE(_latvox, module) {
   module.def("keywords", &Keywords);
   module.def("set_program", &SetProgramPath, arg("path"));
   module.def("extensions", &OutputExtensions);
+  module.def("open", &OpenFile, arg("path"));
+  module.def("convert", &Convert, arg("path"), arg("keywords"));
+  module.def("merge", &Merge, arg("parts"), arg("out"));
   BindVoxels(module);
   BindCalls(module);
 }

@@ -12,7 +12,6 @@
 #include "client/tool/cli/shape_options.h"
 #include "client/tool/output/box_shape.h"
 #include "client/tool/output/field_columns.h"
-#include "client/tool/vdb/vdb.h"
 #include "latvox/dense.h"
 #include "latvox/for_each_voxel.h"
 
@@ -207,13 +206,7 @@ void Save(const Voxels& voxels, const std::string& path, bool dense_npy, const s
   options.remote.allow_http = allow_http;
   Check(NameRemoteOutputs(options.outputs, options.remote));  // first: the query of a URL hides the extension
   if (!array.empty()) Check(SelectArray(array, options));
-  Run([&](Work& work) {
-    absl::Status written = Write(voxels, options, work.cancellation());
-    if (Vdb::State() == VdbState::kLoaded) {
-      [[maybe_unused]] static const bool once = (LeaveOutExitHandlers(), true);
-    }
-    return written;
-  });
+  RunOnFiles([&](Work& work) { return Write(voxels, options, work.cancellation()); });
 }
 
 }  // namespace latvox::client::python

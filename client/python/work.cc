@@ -114,4 +114,14 @@ void Run(const std::function<absl::Status(Work&)>& work) {
   Check(running.status());
 }
 
+void RunOnFiles(const std::function<absl::Status(Work&)>& work) {
+  Run([&](Work& running) {
+    absl::Status status = work(running);
+    if (Vdb::State() == VdbState::kLoaded) {
+      [[maybe_unused]] static const bool once = (LeaveOutExitHandlers(), true);
+    }
+    return status;
+  });
+}
+
 }  // namespace latvox::client::python

@@ -74,6 +74,9 @@ class Work {
 // Runs the work and waits for it as above. Throws its error.
 void Run(const std::function<absl::Status(Work&)>& work);
 
+// Likewise for work that may load OpenVDB.
+void RunOnFiles(const std::function<absl::Status(Work&)>& work);
+
 }  // namespace latvox::client::python
 
 #endif  // LATVOX_CLIENT_PYTHON_WORK_H_

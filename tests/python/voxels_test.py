@@ -197,6 +197,13 @@ def test_save_of_fields_replaces_and_refuses(bunny, tmp_path):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a.csv"]
 
 
+@pytest.mark.parametrize("take", [iter, list, np.asarray, np.array, np.sum, lambda v: v[0], lambda v: [*v], lambda v: v[:3]])
+def test_voxels_are_no_sequence_and_no_array(bunny, take):
+    with pytest.raises(TypeError, match=r"; take ijk, points, dense\(\) or the values of a field, such as v\['distance'\]$"):
+        take(bunny)
+    assert len(bunny) > 0 and 0 not in bunny
+
+
 def test_notebooks_show_a_picture(bunny):
     picture = bunny._repr_png_()
     assert picture.startswith(b"\x89PNG\r\n") and len(picture) > 1000

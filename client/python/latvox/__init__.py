@@ -23,9 +23,11 @@ from ._errors import (
     Unavailable,
     VoxelizeWarning,
 )
+from ._files import convert, merge, open  # noqa: A004
 from ._latvox import version as __version__
-from ._voxels import Bricks, Dense, Voxels
+from ._voxels import Bricks, Dense, Grid, Voxels
 
+# Without open: `from latvox import *` must leave Python's own.
 __all__ = [
     "EXTENSIONS",
     "KEYWORDS",
@@ -37,6 +39,7 @@ __all__ = [
     "Dense",
     "Error",
     "FailedPrecondition",
+    "Grid",
     "Internal",
     "InvalidArgument",
     "NotFound",
@@ -46,6 +49,8 @@ __all__ = [
     "Unavailable",
     "VoxelizeWarning",
     "Voxels",
+    "convert",
+    "merge",
     "stream",
     "voxelize",
     "voxelize_many",

@@ -8,7 +8,7 @@ import os
 import pathlib
 import tempfile
 import warnings as python_warnings
-from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import TYPE_CHECKING, Any, Dict, List, NamedTuple, NoReturn, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
@@ -16,6 +16,8 @@ from . import _latvox
 from ._errors import VoxelizeWarning
 
 _NOTES = ("EMPTY_SHARD",)  # warnings of a shard that is as it should be
+
+_ARRAYS = "take ijk, points, dense() or the values of a field, such as v['distance']"
 
 
 class Dense(NamedTuple):
@@ -73,11 +75,21 @@ class Bricks:
         float32; link_triangles, link_crossings: (n, len(neighbors)) int32. Links that the mesh does not cross have NaN,
         -1 and 0.
         """
+        if not isinstance(field, str):
+            raise TypeError(f"{field!r} is no name of a field; {_ARRAYS}")
         return self._voxels.field(field)
 
     def __contains__(self, field: object) -> bool:
         """Returns whether the voxels carry a field."""
         return field in self.fields
+
+    if not TYPE_CHECKING:  # type checkers refuse what these two refuse
+
+        def __iter__(self) -> NoReturn:
+            raise TypeError(f"voxels are no sequence; {_ARRAYS}")
+
+        def __array__(self, *args: Any, **options: Any) -> NoReturn:
+            raise TypeError(f"voxels are several arrays; {_ARRAYS}")
 
     def names(self, field: str) -> List[str]:
         """Returns the mesh file's names of the numbers of "part" or "material"; [] if it has none."""
@@ -121,39 +133,23 @@ class Bricks:
         return self._voxels.progress
 
 
-class Voxels(Bricks):
-    """The answer of a call."""
+class Grid(Bricks):
+    """The voxels of a file, in its order of bricks."""
 
     @functools.cached_property
     def report(self) -> Dict[str, Any]:
-        """All facts about the call: the object that `latvox voxelize --json` prints."""
+        """All facts about the voxels: the object that `latvox info --json` prints."""
         return json.loads(self._voxels.report)
 
     @property
-    def certificate(self) -> Dict[str, Any]:
-        """What is proved or checked about the voxels: report["certificate"]."""
-        return self.report["certificate"]
-
-    @property
     def lattice(self) -> str:
-        """ "cartesian", "bcc", "fcc", "hexagonal", "stretched-" and one of these, or "basis"."""
-        return self.report["lattice"]
+        """ "cartesian", "bcc", "fcc", "hexagonal", "stretched-" and one of these, or "basis"; or "": unknown."""
+        return self.report["metadata"].get("latvox_lattice", "")
 
     @property
     def digest(self) -> str:
-        """Identifies the set of voxels: equal sets have equal digests."""
-        return self.report["digest"]
-
-    @functools.cached_property
-    def warnings(self) -> List[VoxelizeWarning]:
-        """What is probably not meant, in the order of its discovery. Python's warnings have shown them."""
-        return [VoxelizeWarning(each["message"], each["code"], each["element"]) for each in self.report["warnings"]]
-
-    def warn(self, depth: int) -> None:
-        """Shows the warnings, at the caller of `depth` functions."""
-        for warning in self.warnings:
-            if warning.code not in _NOTES:
-                python_warnings.warn(warning, stacklevel=depth)
+        """Identifies the set of voxels: equal sets have equal digests. "" if the file does not tell."""
+        return self.report["metadata"].get("latvox_digest", "")
 
     @property
     def index_box(self) -> Optional[Tuple[np.ndarray, np.ndarray]]:
@@ -214,4 +210,40 @@ class Voxels(Bricks):
     def __repr__(self) -> str:
         """Returns a line about the voxels."""
         fields = f", fields {self.fields}" if self.fields else ""
-        return f"<latvox.Voxels: {len(self)} voxels, {self.lattice}, voxel size {self.voxel_size:g}{fields}>"
+        name = type(self).__name__
+        return f"<latvox.{name}: {len(self)} voxels, {self.lattice}, voxel size {self.voxel_size:g}{fields}>"
+
+
+class Voxels(Grid):
+    """The answer of a call."""
+
+    @functools.cached_property
+    def report(self) -> Dict[str, Any]:
+        """All facts about the call: the object that `latvox voxelize --json` prints."""
+        return json.loads(self._voxels.report)
+
+    @property
+    def certificate(self) -> Dict[str, Any]:
+        """What is proved or checked about the voxels: report["certificate"]."""
+        return self.report["certificate"]
+
+    @property
+    def lattice(self) -> str:
+        """ "cartesian", "bcc", "fcc", "hexagonal", "stretched-" and one of these, or "basis"."""
+        return self.report["lattice"]
+
+    @property
+    def digest(self) -> str:
+        """Identifies the set of voxels: equal sets have equal digests."""
+        return self.report["digest"]
+
+    @functools.cached_property
+    def warnings(self) -> List[VoxelizeWarning]:
+        """What is probably not meant, in the order of its discovery. Python's warnings have shown them."""
+        return [VoxelizeWarning(each["message"], each["code"], each["element"]) for each in self.report["warnings"]]
+
+    def warn(self, depth: int) -> None:
+        """Shows the warnings, at the caller of `depth` functions."""
+        for warning in self.warnings:
+            if warning.code not in _NOTES:
+                python_warnings.warn(warning, stacklevel=depth)

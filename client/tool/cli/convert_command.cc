@@ -138,47 +138,60 @@ ConvertOptions Interpret(const ConvertWords& words) {
   return options;
 }
 
-absl::StatusOr<std::string> RunConvert(const ConvertOptions& options, const Cancellation& cancellation) {
-  auto content = ReadForeignContent(options.input, /*values=*/true, cancellation);
+absl::StatusOr<VoxelFile> ReadVoxelFile(const std::string& path, const std::optional<std::vector<Field>>& fields,
+                                        const Cancellation& cancellation) {
+  auto content = ReadForeignContent(path, /*values=*/true, cancellation);
   if (!content.ok()) return content.status();
-  if (options.fields) {
-    if (auto status = Select(*options.fields, options.input, *content); !status.ok()) return status;
+  if (fields) {
+    if (auto status = Select(*fields, path, *content); !status.ok()) return status;
   }
-  if (const auto& array = options.output_options.array) {
-    if (auto status = CheckHas(*array, options.input, *content); !status.ok()) return status;
-  }
-  std::vector<Field> fields;
-  Accepted accepted;
-  accepted.neighbors = content->neighbors;
+  VoxelFile file;
+  std::vector<Field> kept;
+  file.accepted.neighbors = content->neighbors;
   for (const FieldValues& values : content->fields) {
-    fields.push_back(values.field);
-    if (!values.labels.empty()) accepted.fraction_labels = values.labels;
+    kept.push_back(values.field);
+    if (!values.labels.empty()) file.accepted.fraction_labels = values.labels;
   }
   const GridFileInfo& info = content->file.info;
-  accepted.grid = info.transform;
-  accepted.index_box = info.active_box;
-  OutputOptions output_options = options.output_options;
-  output_options.metadata = MetadataWith(fields, !options.fields, info);
-  output_options.picture_up = UpOf(info);
-  output_options.make_page = ViewPage;
-  const VoxelizeRequest request = RequestOf(*content, fields);
+  file.accepted.grid = info.transform;
+  file.accepted.index_box = info.active_box;
+  file.output_options.metadata = MetadataWith(kept, !fields, info);
+  file.output_options.picture_up = UpOf(info);
+  file.output_options.make_page = ViewPage;
+  file.request = RequestOf(*content, kept);
+  file.summary = SummaryOf(info, content->file.bricks.size());
+  file.content = *std::move(content);
+  return file;
+}
+
+absl::StatusOr<std::string> RunConvert(const ConvertOptions& options, const Cancellation& cancellation) {
+  const auto file = ReadVoxelFile(options.input, options.fields, cancellation);
+  if (!file.ok()) return file.status();
+  OutputOptions output_options = file->output_options;
+  output_options.dense_npy = options.output_options.dense_npy;
+  output_options.array = options.output_options.array;
+  output_options.shape = options.output_options.shape;
+  if (const auto& array = output_options.array) {
+    if (auto status = CheckHas(*array, options.input, file->content); !status.ok()) return status;
+  }
+  const GridFileInfo& info = file->content.file.info;
   Outputs outputs;
   for (const std::string& path : options.outputs) {
-    auto output = Open(path, request, output_options);
+    auto output = Open(path, file->request, output_options);
     if (!output.ok()) return output.status();
     (*output)->SetNames(ReadCarriedNames(info));
-    if (auto status = (*output)->Begin(accepted); !status.ok()) return status;
+    if (auto status = (*output)->Begin(file->accepted); !status.ok()) return status;
     outputs.push_back(*std::move(output));
   }
-  const BrickBatch batch = content->Batch();
-  const Summary summary = SummaryOf(info, content->file.bricks.size());
+  const BrickBatch batch = file->content.Batch();
   const auto write = [&](Output& output) {
     const absl::Status added = output.Add(batch);
-    return added.ok() ? output.Finish(summary) : added;
+    return added.ok() ? output.Finish(file->summary) : added;
   };
   if (auto status = ForAllAtOnce(outputs, cancellation, write); !status.ok()) return status;
   if (cancellation.cancelled()) return absl::CancelledError("cancelled");
   if (auto status = CommitAll(outputs); !status.ok()) return status;
+  const std::vector<Field>& fields = file->request.fields;
   return absl::StrCat(options.input, ": ", info.active_voxels, " voxels",
                       fields.empty() ? "" : absl::StrCat(" with ", JoinNames(fields)), "\nwrote ",
                       absl::StrJoin(options.outputs, ", "), "\n");

@@ -12,6 +12,8 @@
 #include "deploy/manual/command_parser.h"
 #include "latvox/cancellation.h"
 #include "latvox/fields.h"
+#include "latvox/grid/grid_content.h"
+#include "latvox/types.h"
 
 namespace latvox::client {
 
@@ -33,6 +35,20 @@ void AddConvertOptions(CommandParser& command, ConvertWords& words);
 
 // Returns the options that the words mean together. Throws UsageError if they do not go together.
 ConvertOptions Interpret(const ConvertWords& words);
+
+// The voxels of a file, with what outputs are told about them.
+struct VoxelFile {
+  GridContent content;
+  VoxelizeRequest request;       // as far as outputs ask for it
+  Accepted accepted;             // likewise
+  Summary summary;               // likewise
+  OutputOptions output_options;  // metadata, page and picture
+};
+
+// Reads a .vdb or .nvdb file. `fields`: those to keep; absent: all. Errors: those of ReadForeignContent;
+// INVALID_ARGUMENT: the file lacks a field.
+absl::StatusOr<VoxelFile> ReadVoxelFile(const std::string& path, const std::optional<std::vector<Field>>& fields,
+                                        const Cancellation& cancellation);
 
 // Writes all voxels of the file with their fields. Dense arrays cover the box of the file's voxels. Returns the text
 // for standard output. The outputs appear only if everything succeeded. Errors, before a file is written:

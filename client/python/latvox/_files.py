@@ -1,0 +1,62 @@
+"""Files of voxels."""
+
+from __future__ import annotations
+
+import json
+import os
+from typing import Any, Dict, Iterable, List, Literal, Optional, Sequence, Union
+
+import numpy as np
+
+from . import _latvox
+from ._voxels import Grid
+
+_Path = Union[str, "os.PathLike[str]"]
+
+
+def _word(path: _Path) -> str:
+    """Returns a path that does not look like an option."""
+    text = os.fspath(path)
+    return f"./{text}" if text.startswith("-") else text
+
+
+def open(path: _Path) -> Grid:
+    """Reads the voxels of a .vdb or .nvdb file, with their fields.
+
+    Errors: NotFound; InvalidArgument for a file that latvox has not written.
+    """
+    return Grid(_latvox.open(os.fspath(path)))
+
+
+def convert(
+    path: _Path,
+    out: Union[_Path, Sequence[_Path]],
+    *,
+    fields: Union[None, str, Sequence[str]] = None,
+    npy: Optional[Literal["coordinates", "dense"]] = None,
+    array: Union[None, str, Sequence[str]] = None,
+    dims: Union[None, str, Sequence[int], np.ndarray] = None,
+    pad: Optional[int] = None,
+) -> None:
+    """Writes the voxels of a .vdb or .nvdb file in other formats, as the tool's command convert does.
+
+    out: a path, or a list of them; the formats are those of EXTENSIONS. They appear only if all of them succeed.
+    fields: fields of the file to write, or "none"; None: all.
+    npy, array, dims, pad: as for voxelize.
+
+    Errors: InvalidArgument, if the file lacks a field, or if a format cannot hold the fields or the lattice.
+    """
+    options: Dict[str, Any] = {"fields": fields, "npy": npy, "array": array, "dims": dims, "pad": pad}
+    _latvox.convert(_word(path), {"out": out, **options})
+
+
+def merge(parts: Iterable[_Path], out: _Path) -> Dict[str, Any]:
+    """Joins the parts of one mesh and request in a .vdb file, as the tool's command merge does.
+
+    parts: .vdb or .nvdb files that were made with `region`, `bounds` or `shard`.
+
+    Returns the object that `latvox merge --json` prints. The process may then open as many files as its hard limit
+    allows, because all parts are open at once. Errors: InvalidArgument, if the parts do not belong together.
+    """
+    paths: List[str] = [_word(part) for part in parts]
+    return json.loads(_latvox.merge(paths, os.fspath(out)))
