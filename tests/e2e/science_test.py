@@ -200,6 +200,27 @@ class Science(ArrayCase):
         self.assertRegex(done.stderr, r"at --resolution 2: --dims: 4 along i is less than the \d+ points that the voxels take")
         self.assertFalse((self.dir / "g.npz").exists())
 
+    def test_parts_have_the_resolution_that_dims_give_the_whole(self):
+        options = ["--dims", "150,150,150", "--lattice", "bcc"]
+
+        def resolved(name, *part):
+            summary = self.voxelize(BUNNY, *options, *part, "-o", self.dir / f"{name}.npz", out=f"{name}.vdb")
+            metadata = json.loads(latvox("info", "--json", self.dir / f"{name}.vdb").stdout)["metadata"]
+            return summary, json.loads(metadata["latvox_request"])["resolution"]
+
+        whole, resolution = resolved("whole")
+        low, high = whole["index_box"]["min"], whole["index_box"]["max"]
+        region = ",".join(map(str, [*low, *high[:2], (low[2] + high[2]) // 2]))
+        for part in (["--region", region], ["--bounds=-9,-9,-9,0,9,9"]):
+            summary, found = resolved("part", *part)
+            self.assertEqual(found, resolution, part)
+            self.assertTrue(0 < summary["voxels"] < whole["voxels"])
+        shards = [resolved(f"shard{n}", "--shard", f"{n}/3") for n in range(3)]
+        self.assertEqual([found for _, found in shards], [resolution] * 3)
+        self.assertEqual(sum(summary["voxels"] for summary, _ in shards), whole["voxels"])
+        digest = sum(int(summary["digest"], 16) for summary, _ in shards)
+        self.assertEqual(f"{digest % 2**128:032x}", whole["digest"])
+
     def test_a_side_beyond_nifti_1_makes_nifti_2(self):
         mesh = write_obj(self.dir / "long.obj", box((0, 0, 0), (40000, 1, 1)))
         for field, dtype in (("distance", "float32"), ("normal", "float32"), ("part", "int32")):

@@ -16,7 +16,7 @@ namespace latvox::client {
 using MeasureBox = absl::FunctionRef<absl::StatusOr<std::optional<IndexBox>>(uint32_t resolution)>;
 
 // Returns a resolution whose voxels, with their padding, fit into dims, although those of the next one do not, or it is
-// the greatest. No formula tells: the box depends on set, lattice, part and mesh. So this measures some three to five
+// the greatest. No formula tells: the box depends on set, lattice and mesh. So this measures some three to five
 // resolutions. Errors: INVALID_ARGUMENT: the voxels of the least resolution do not fit; those of `measure`.
 //   shape   with dims
 absl::StatusOr<uint32_t> FindResolution(const BoxShape& shape, MeasureBox measure);

@@ -132,7 +132,7 @@ absl::Status Align(VoxelizeOptions& options, const Cancellation& cancellation) {
 
 namespace {
 
-// Returns the resolution that --dims decides on.
+// Returns the resolution that --dims decides on: that of the whole, because parts with different ones do not join.
 absl::StatusOr<uint32_t> FitResolution(const Client& client, VoxelizeOptions options, const MeshUpload& upload,
                                        const CallOptions& call, const JobHooks& hooks) {
   JobHooks quiet = hooks;
@@ -141,6 +141,9 @@ absl::StatusOr<uint32_t> FitResolution(const Client& client, VoxelizeOptions opt
   quiet.say = [](const std::string&) {};
   hooks.on_stage("choosing a resolution");
   options.strict = options.request.verify = false;
+  options.request.region.reset();
+  options.request.bounds.reset();
+  options.request.shard.reset();
   return FindResolution(options.output_options.shape,
                         [&](uint32_t resolution) -> absl::StatusOr<std::optional<IndexBox>> {
                           options.request.resolution = resolution;
