@@ -364,6 +364,27 @@ class View(OnPage):
         pixels, seen = self.canvas()
         self.assertGreater((pixels[..., 2] > pixels[..., 0])[seen].mean(), 0.5)
 
+    def test_fields_of_the_nearest_triangle_are_colors(self):
+        mesh = write_obj(self.dir / "a.obj", octahedron())
+        self.voxelize(mesh, "--lattice", "fcc", "--resolution", 24, "--fields", "normal,triangle,point", "-o", self.dir / "a.csv", out="a.vdb")
+        with open(self.dir / "a.csv") as lines:
+            table = {tuple(int(row[n]) for n in "ijk"): row for row in csv.DictReader(lines)}
+        layer = sorted(k for _, _, k in table)[len(table) // 2]
+        self.view(self.dir / "a.vdb", place=f"{PLACE}&layer={layer}&by=normal")
+        names = self.tab.run("[...document.getElementById('by').options].map((it) => it.text)")
+        self.assertEqual(set(names), {"normal", "triangle", "point", "none"})
+        normals = {ijk: [float(row[name]) for name in ("nx", "ny", "nz")] for ijk, row in table.items()}
+        self.assert_colors({ijk: (numpy.array(n) + 1) / 2 * 255 for ijk, n in normals.items() if ijk[2] == layer})
+        seen = 0
+        for x in range(150, 240, 15):
+            if shown := self.point(x, 150):
+                ijk, seen = tuple(int(n) for n in shown["i, j, k"].split(", ")), seen + 1
+                self.assertEqual(shown["triangle"], table[ijk]["triangle"])
+                for name, columns in (("normal", ("nx", "ny", "nz")), ("point", ("u", "v"))):
+                    found = [float(number) for number in shown[name].split(", ")]
+                    numpy.testing.assert_allclose(found, [float(table[ijk][column]) for column in columns], rtol=1e-5)
+        self.assertGreater(seen, 0)
+
     def test_fractions_of_labels_are_colors(self):
         parts = [write_obj(self.dir / "lid.obj", octahedron()), write_obj(self.dir / "pin.obj", octahedron(0.5))]
         options = ["--resolution", 16, "--set", "solid", "--labels", "part", "--fields", "label_fractions:4"]

@@ -86,21 +86,16 @@ uint32_t PointsOfCell(const GridFileInfo& info) {
   return 0;
 }
 
-std::optional<Field> FieldOf(ColorBy by) {
-  for (const FieldFacts& row : kFields) {
-    if (row.name == absl::string_view(NameOf(by))) return row.field;
-  }
-  return std::nullopt;
-}
+static_assert(static_cast<size_t>(ColorBy::kLabelFractions) == kFields.size());
+
+// Precondition: not kNone.
+Field FieldOf(ColorBy by) { return static_cast<Field>(static_cast<int>(by) - 1); }
 
 }  // namespace
 
-const char* NameOf(ColorBy by) {
-  constexpr const char* kNames[] = {"none",           "part",     "material",       "color", "distance",
-                                    "triangle",       "point",    "normal",         "links", "link_triangles",
-                                    "link_crossings", "fraction", "label_fractions"};
-  return kNames[static_cast<size_t>(by)];
-}
+const char* NameOf(ColorBy by) { return by == ColorBy::kNone ? "none" : NameOf(FieldOf(by)); }
+
+ColorBy ByOf(Field field) { return static_cast<ColorBy>(static_cast<int>(field) + 1); }
 
 VoxelTraits TraitsOf(const GridContent& content) {
   VoxelTraits traits{{}, content.distances, PointsOfCell(content.file.info)};
@@ -110,7 +105,7 @@ VoxelTraits TraitsOf(const GridContent& content) {
 
 ColorBy DefaultColorBy(const VoxelTraits& traits) {
   for (const ColorBy by : {ColorBy::kColor, ColorBy::kMaterial, ColorBy::kPart}) {
-    if (std::find(traits.fields.begin(), traits.fields.end(), *FieldOf(by)) != traits.fields.end()) return by;
+    if (CarriesField(traits.fields, FieldOf(by))) return by;
   }
   return traits.distances ? ColorBy::kDistance : ColorBy::kNone;
 }
@@ -180,7 +175,7 @@ uint32_t WeightsColor(const std::array<float, 3>& weights) { return ColorOf(weig
 absl::StatusOr<std::vector<uint32_t>> ColorsOf(const BrickBatch& batch, const VoxelTraits& traits, ColorBy by) {
   std::vector<uint32_t> colors;
   if (by == ColorBy::kNone) return colors;
-  const FieldValues* const values = FindField(batch.fields, *FieldOf(by));
+  const FieldValues* const values = FindField(batch.fields, FieldOf(by));
   const bool of_cell = by == ColorBy::kFraction || by == ColorBy::kLabelFractions;
   const bool lacks_range = (by == ColorBy::kDistance && !traits.distances) || (of_cell && traits.points_of_cell == 0);
   if (values == nullptr || lacks_range) {

@@ -15,7 +15,7 @@
 
 namespace latvox::client {
 
-// A color is a number: red << 16 | green << 8 | blue, sRGB.
+// A color is a number: red << 16 | green << 8 | blue, sRGB. After kNone, one for each field, in the order of kFields.
 enum class ColorBy {
   kNone,
   kPart,
@@ -34,6 +34,9 @@ enum class ColorBy {
 
 // Returns "none", or the name of the field.
 const char* NameOf(ColorBy by);
+
+// Returns the colors that a field gives: every field has some.
+ColorBy ByOf(Field field);
 
 // The fields that voxels carry. GridContent has those of a file.
 struct VoxelTraits {

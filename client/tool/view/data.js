@@ -27,18 +27,18 @@ const UNCROSSED = 0xffffffff;
 function readValues() {
   const values = bytesOf("values"), colors = bytesOf("paints"), count = data.voxels;
   let at = 0;
-  return data.paints.flatMap(({ name, values: kind }, n) => {
+  return data.paints.flatMap(({ name, values: kind, components }, n) => {
     if (kind === "none") return [];
     if (kind === "rgb") {
       const hex = (voxel) => [...colors.subarray(3 * (count * n + voxel), 3 * (count * n + voxel + 1))].map((level) => level.toString(16).padStart(2, "0"));
       return [[name, (voxel) => `#${hex(voxel).join("")}`]];
     }
     const from = at, view = new DataView(values.buffer), names = namesOf(name);
-    at += 4 * count;
-    const numberOf = kind === "float32" ? (voxel) => shortest(view.getFloat32(from + 4 * voxel, true)) : (voxel) => view.getUint32(from + 4 * voxel, true);
+    at += 4 * count * components;
+    const numberOf = kind === "float32" ? (word) => shortest(view.getFloat32(from + 4 * word, true)) : (word) => view.getUint32(from + 4 * word, true);
     const isNone = (number) => Number.isNaN(number) || number === UNCROSSED;
     const named = (number) => (isNone(number) ? "none" : names[number] ? `${number} (${names[number]})` : String(number));
-    return [[name, (voxel) => named(numberOf(voxel))]];
+    return [[name, (voxel) => Array.from({ length: components }, (_, m) => named(numberOf(components * voxel + m))).join()]];
   });
 }
 

@@ -150,8 +150,11 @@ const char* KindOf(const Paint& paint) {
 Json Describe(const std::vector<Paint>& paints) {
   Json described = Json::array();
   for (const Paint& paint : paints) {
-    described.push_back(
-        {{"name", paint.name}, {"ramp", paint.is_ramp}, {"legend", paint.legend}, {"values", KindOf(paint)}});
+    described.push_back({{"name", paint.name},
+                         {"ramp", paint.is_ramp},
+                         {"legend", paint.legend},
+                         {"values", KindOf(paint)},
+                         {"components", paint.components}});
   }
   return described;
 }

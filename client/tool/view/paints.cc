@@ -14,19 +14,9 @@ namespace {
 
 constexpr size_t kMostEntries = 24;  // in a legend
 
-// Returns nothing for a field that gives no colors.
-std::optional<ColorBy> ByOf(Field field) {
-  for (const ColorBy by :
-       {ColorBy::kPart, ColorBy::kMaterial, ColorBy::kColor, ColorBy::kDistance, ColorBy::kLinks,
-        ColorBy::kLinkTriangles, ColorBy::kLinkCrossings, ColorBy::kFraction, ColorBy::kLabelFractions}) {
-    if (absl::string_view(NameOf(by)) == NameOf(field)) return by;
-  }
-  return std::nullopt;
-}
-
 absl::Status CheckSize(const GridContent& content) {
   uint64_t paints = 0;
-  for (const FieldValues& values : content.fields) paints += ByOf(values.field) ? 1 + values.labels.size() : 0;
+  for (const FieldValues& values : content.fields) paints += 1 + values.labels.size();
   const uint64_t voxels = content.file.info.active_voxels;
   if (paints == 0 || voxels <= kMaxPageColors / paints) return absl::OkStatus();
   return absl::ResourceExhaustedError(absl::StrCat(voxels, " voxels with ", paints,
@@ -67,6 +57,7 @@ void SetValues(const FieldValues& values, Paint& paint) {
   if (paint.is_mix || values.field == Field::kColor) return;
   paint.values = FourBytesEach(FactsOf(values.field).is_of_links() ? OneOfLinks(values) : values);
   paint.has_floats = FactsOf(values.field).type == NumberType::kFloat32;
+  if (!FactsOf(values.field).is_of_links()) paint.components = FactsOf(values.field).components;
 }
 
 absl::StatusOr<Paint> PaintOfLabel(const GridContent& content, const FieldValues& fractions, uint32_t label) {
@@ -91,9 +82,8 @@ absl::StatusOr<std::vector<Paint>> PaintsOf(const GridContent& content) {
     return absl::OkStatus();
   };
   for (const FieldValues& values : content.fields) {
-    const std::optional<ColorBy> by = ByOf(values.field);
-    if (!by) continue;
-    auto paint = PaintOf(content, *by);
+    const ColorBy by = ByOf(values.field);
+    auto paint = PaintOf(content, by);
     if (paint.ok()) SetValues(values, *paint);
     if (auto status = add(std::move(paint), by == first); !status.ok()) return status;
     for (const uint32_t label : values.labels) {

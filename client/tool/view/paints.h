@@ -12,12 +12,12 @@
 
 namespace latvox::client {
 
-// Values are uint32 or, for "distance" and "links", float32, little-endian. Fields of links have the numbers of
-// OneOfLinks.
+// Values are uint32 or float32, little-endian. Fields of links have the numbers of OneOfLinks.
 struct Paint {
   std::string name;                                         // of the field; for one label: "fraction_7 (lid)"
   std::string bytes;                                        // red, green, blue of each voxel, in order
-  std::string values;                                       // of each voxel, 4 bytes; or none
+  std::string values;                                       // of each voxel, 4 bytes a component; or none
+  size_t components = 1;                                    // of a value
   bool has_floats = false;                                  // the values are floats, otherwise integers
   bool is_mix = false;                                      // the colors of several labels: neither colors nor values
   bool is_ramp = false;                                     // whether the legend is a continuous ramp
@@ -27,8 +27,8 @@ struct Paint {
 // Voxels times paints.
 inline constexpr uint64_t kMaxPageColors = 20'000'000;
 
-// Returns one paint for each attribute of the voxels, or for the distances. The default comes first. Fractions of
-// labels have one for all labels together, then one for each. Errors: RESOURCE_EXHAUSTED: more than kMaxPageColors.
+// Returns one paint for each field of the voxels. The default comes first. Fractions of labels have one for all labels
+// together, then one for each. Errors: RESOURCE_EXHAUSTED: more than kMaxPageColors.
 absl::StatusOr<std::vector<Paint>> PaintsOf(const GridContent& content);
 
 }  // namespace latvox::client

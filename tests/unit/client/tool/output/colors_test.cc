@@ -146,6 +146,27 @@ TEST(Paints, AreForAllLabelsAndForEach) {
   EXPECT_TRUE((*paints)[2].is_ramp);
 }
 
+TEST(Paints, AreForEveryField) {
+  for (const FieldFacts& facts : kFields) {
+    GridContent content;
+    content.file.info.metadata = {{"latvox_fraction_n", "2"}};
+    content.distances = DistanceRange{1, false};
+    FieldValues values{facts.field, {}, facts.is_of_links() ? size_t{2} : 0};
+    if (facts.is_of_labels()) values.labels = {1, 2};
+    values.bytes.resize(values.bytes_of_voxel());
+    content.fields = {values};
+    const auto paints = PaintsOf(content);
+    ASSERT_TRUE(paints.ok()) << paints.status();
+    ASSERT_FALSE(paints->empty()) << facts.name;
+    const Paint& paint = paints->front();
+    EXPECT_EQ(paint.name, facts.name);
+    EXPECT_EQ(paint.bytes.size(), 3U);
+    EXPECT_FALSE(paint.legend.empty());
+    if (!paint.values.empty()) EXPECT_EQ(paint.values.size(), 4 * paint.components) << facts.name;
+    EXPECT_EQ(paint.components, facts.field == Field::kPoint ? 2U : facts.field == Field::kNormal ? 3U : 1U);
+  }
+}
+
 TEST(Paints, AreLimited) {
   GridContent content;
   content.file.info.metadata = {{"latvox_fraction_n", "2"}};
