@@ -184,7 +184,7 @@ absl::Status Write(const Voxels& voxels, const VoxelizeOptions& options, const C
   return cancellation.cancelled() ? absl::CancelledError("cancelled") : (*output)->Commit();
 }
 
-// Errors: INVALID_ARGUMENT: the voxels carry no such field; the path's format is not one array.
+// Errors: INVALID_ARGUMENT: the voxels carry no such field; the path's format holds all.
 absl::Status SelectArray(const std::string& array, VoxelizeOptions& options) try {
   if (const WrongWord wrong = CheckFieldList(array); !wrong.text.empty()) Refuse("--array: ", wrong.text);
   options.output_options.array = ParseFieldList(array);

@@ -282,14 +282,27 @@ class Fields(Case):
         accessor = scene["accessors"][scene["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"]]
         self.assertEqual(accessor["count"], scene["accessors"][0]["count"])
         start = scene["bufferViews"][accessor["bufferView"]]["byteOffset"]
-        found = numpy.frombuffer(body, "u1", 4 * accessor["count"], start).reshape(-1, 4)
+        found = numpy.frombuffer(body, "<u2", 4 * accessor["count"], start).reshape(-1, 4)
         self.voxelize(self.colored(), *GRID, "--fields", "color")
         voxels = table(self.dir / "out.csv", "red,green,blue")
-        self.assertEqual({tuple(c) for c in found.tolist()}, {(*color, 255) for color in voxels.values()})
+        linear = lambda x: x / 12.92 if x <= 0.04045 else ((x + 0.055) / 1.055) ** 2.4
+        expected = {(*(round(65535 * linear(x / 255)) for x in color), 65535) for color in voxels.values()}
+        self.assertEqual({tuple(c) for c in found.tolist()}, expected)
         info = gltf_info(self.dir / "o.glb")
         self.assertEqual((info["totalVertexCount"], info["maxAttributes"]), (accessor["count"], 2))
         others = by_three(self.dir / "o.glb")["colors"]
-        self.assertEqual([tuple(round(255 * x) for x in c) for c in others], [tuple(c[:3]) for c in found.tolist()])
+        self.assertEqual([tuple(round(65535 * x) for x in c) for c in others], [tuple(c[:3]) for c in found.tolist()])
+        self.voxelize(self.dir / "o.glb", *GRID, "--fields", "color")
+        again = table(self.dir / "out.csv", "red,green,blue")
+        self.assertLessEqual(set(again.values()), set(voxels.values()), "the tool reads its own colors")
+
+    def test_a_surface_has_a_color_for_each_part(self):
+        meshes = [write_obj(self.dir / f"{n}.obj", octahedron(n)) for n in (1, 2)]
+        self.voxelize(*meshes, "--resolution", "12", "--fields", "part", "-o", self.dir / "o.glb", out="o.vox")
+        self.assertEqual(len({tuple(color) for color in by_three(self.dir / "o.glb")["colors"]}), 2)
+        self.voxelize(self.dir / "o.glb", "--resolution", "12", "--fields", "color")
+        palette = (self.dir / "o.vox").read_bytes().rpartition(b"RGBA")[2][8:16]
+        self.assertEqual(set(table(self.dir / "out.csv", "red,green,blue").values()), {tuple(palette[:3]), tuple(palette[4:7])})
 
     def test_refusals_name_what_is_wrong(self):
         plain = write_obj(self.dir / "plain.obj", octahedron())
@@ -301,7 +314,7 @@ class Fields(Case):
             (2, "--fields: not together with --algorithm brute-force", [plain, "--fields", "part", "--algorithm", "brute-force"]),
             (2, '"hue" is not one of part, material, color, distance, triangle, point, normal', [plain, "--fields", "part,hue"]),
             (2, "twice", [plain, "--fields", "part,part"]),
-            (2, "o.glb cannot hold part", [plain, "--fields", "part", "-o", self.dir / "o.glb"]),
+            (2, "o.glb cannot hold triangle", [plain, "--fields", "triangle", "-o", self.dir / "o.glb"]),
             (2, "o.npy cannot hold part,distance; .vdb .nvdb .csv .npz",
              [plain, "--fields", "part,distance", "--npy", "dense", "-o", self.dir / "o.npy"]),
             (3, "sent as it is", [self.dir / "plain.drc", plain, "--fields", "color"]),

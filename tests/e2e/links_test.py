@@ -45,7 +45,7 @@ class Links(Case):
             self.assertEqual(json.loads(latvox("info", "--json", self.dir / name).stdout)["links"], len(voxel), name)
         self.voxelize(BUNNY, "--resolution", "20", "--fields", "link_crossings", out="b.links.csv")
         self.assertEqual((self.dir / "b.links.csv").read_text().split("\n")[0], "i,j,k,di,dj,dk,crossings")
-        for fields, says in ((["--fields", "part,links"], "a.links.csv cannot hold part,links; .vdb .nvdb .csv .npy .npz .ply .png .html .vtu .cells.vtu .h5 can"),
+        for fields, says in ((["--fields", "part,links"], "a.links.csv cannot hold part,links; .vdb .nvdb .csv .npy .npz .ply .png .html .vti .vtu .cells.vtu .h5 can, and --array selects some for this file"),
                              ([], "--fields: a.links.csv needs links, link_triangles or link_crossings")):  # fmt: skip
             done = latvox("voxelize", BUNNY, "-o", "a.links.csv", *fields, cwd=self.dir)
             self.assertEqual(done.returncode, 2, done.stderr)
@@ -111,8 +111,9 @@ class Links(Case):
 
     def test_what_does_not_fit_is_refused(self):
         for options, status, says in (
-            (["--set", "links", "--fields", "links", "-o", "a.vti"], 2,
-             "--fields: a.vti cannot hold links; .vdb .nvdb .csv .npy .npz .ply .png .html .vtu .cells.vtu .h5 .links.csv .links.npz can"),
+            (["--set", "links", "--fields", "links", "-o", "a.glb"], 2,
+             "--fields: a.glb cannot hold links; .vdb .nvdb .csv .npy .npz .ply .png .html .vti .vtu .cells.vtu .h5 .links.csv "
+             ".links.npz .nrrd .mha .mhd .nii .nii.gz can, and --array none leaves them out of this file"),
             (["--set", "surface", "--side", "inside"], 2, "--side: needs --set links, not surface"),
             (["--set", "links", "--minimal"], 2, "--minimal: not together with --set links, which is not thinned"),
             (["--set", "links", "--fields", "link_triangles", "--upload", "draco", "-o", "a.csv"], 2,

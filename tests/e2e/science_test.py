@@ -132,6 +132,36 @@ class Science(ArrayCase):
             facts = json.loads(latvox("info", "--json", self.dir / f"a{extension}").stdout)
             self.assertEqual((facts["components"], facts["shape"]), (whole.shape[3], list(whole.shape[:3])))
 
+    def test_images_and_dense_arrays_hold_a_component_for_each_label(self):
+        mesh = write_bodies(self.dir / "boxes.obj", {name: box(*corners) for name, corners in BODIES.items()})
+        solid = ["--set", "supercover-solid", "--labels", "part", "--voxel-size", "1", "--fields", "label_fractions:4"]
+        alone = ["--array", "label_fractions", "--npy", "dense"]
+        for labels in ([], ["--fraction-labels", "1"]):
+            arrays = self.write(mesh, [".nii", ".nii.gz", ".npy"], *solid, *labels, *alone)
+            names = sorted(name for name in arrays if name.startswith("fraction_"))
+            arrays["all"] = numpy.stack([arrays[name] for name in names], axis=3)
+            self.assertGreater(arrays["all"].max(), 0)
+            numpy.testing.assert_array_equal(numpy.load(self.dir / "a.npy"), arrays["all"])
+            if labels:
+                arrays["all"] = arrays["all"][..., 0]  # an image of one component has no axis for it
+            self.check_images(arrays, "all", "uint16", (".nii", ".nii.gz"))
+            self.assertEqual(nibabel.load(self.dir / "a.nii").header["intent_name"], b"label_fractions")
+
+    def test_images_and_dense_arrays_hold_a_component_for_each_link(self):
+        for field, dtype, nothing in (("links", "float32", numpy.nan), ("link_triangles", "int32", -1), ("link_crossings", "int32", -1)):
+            arrays = self.write(BUNNY, [*IMAGES, ".npy"], "--lattice", "bcc", "--resolution", "12", "--fields", field, "--npy", "dense")
+            dense = numpy.full((*arrays["data"].shape, len(arrays["neighbors"])), nothing, dtype)
+            dense[tuple((arrays["ijk"] - arrays["index_min"]).T)] = arrays[field]
+            numpy.testing.assert_array_equal(numpy.load(self.dir / "a.npy"), dense)
+            if field == "link_crossings":  # counts are no labels
+                dense = numpy.maximum(dense, 0) - 1
+            self.check_images({**arrays, "all": dense}, "all", dtype)
+            neighbors = " ".join(",".join(map(str, row)) for row in arrays["neighbors"].tolist())
+            self.assertIn(f"\nneighbors:={neighbors}\n".encode(), (self.dir / "a.nrrd").read_bytes())
+            self.assertIn(f"\nComment = neighbors {neighbors}\n", (self.dir / "a.mhd").read_text())
+            self.assertEqual(by_teem(self.dir / "a.nrrd")[2]["kinds"].split()[0], "list")
+            self.assertEqual(json.loads(latvox("info", "--json", self.dir / "a.mha").stdout)["shape"], list(arrays["data"].shape))
+
     def test_labels_have_the_names_of_segments(self):
         arrays = self.write(SPIDER, [".nrrd", ".vdb"], "--resolution", "16", "--fields", "material")
         metadata = json.loads(latvox("info", "--json", self.dir / "a.vdb").stdout)["metadata"]
@@ -256,6 +286,7 @@ class Science(ArrayCase):
         self.assertEqual(done.returncode, 2)
         self.assertIn("a.nrrd cannot hold distance,part; .vdb", done.stderr)
         self.assertIn("--array selects some", done.stderr)
+        self.check_surfaces(cube, labeled)
         arrays = self.write(cube, [*IMAGES, ".vdb"], *labeled, "--array", "distance")
         self.assertLessEqual({"part", "distance"}, arrays.keys(), "other files hold all")
         self.check_images(arrays, "distance", "float32")
@@ -276,6 +307,18 @@ class Science(ArrayCase):
         done = latvox("batch", self.dir / "jobs.jsonl", "--out", self.dir)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         self.assertNotEqual((self.dir / "a.nii").read_bytes(), (self.dir / "b.nii").read_bytes(), "it is another job")
+
+    def check_surfaces(self, mesh, labeled):
+        """Formats without an array have limits on fields, too."""
+        outputs = ["-o", self.dir / "a.glb", "-o", self.dir / "a.vox", "-o", self.dir / "a.links.csv"]
+        for array, forms in (("part", outputs[:4]), ("none", outputs[:4]), ("links", outputs[4:])):
+            fields = ["--fields", "distance,links"]
+            summary = self.voxelize(mesh, *labeled[:-2], *fields, "--array", array, *forms, out="a.csv")
+            self.assertEqual(set(summary["fields"]), {"distance", "links", "part"})
+        done = latvox("voxelize", mesh, *labeled, *outputs[:2])
+        self.assertIn("a.glb cannot hold distance,part; .vdb", done.stderr)
+        self.assertIn("and --array selects some for this file", done.stderr)
+        self.voxelize(mesh, "--resolution", "12", "--band", "2v", "--array", "none", *outputs[:4])
 
     def test_a_binvox_has_the_shape_of_the_npz(self):
         arrays = self.write(BUNNY, [".binvox"], "--dims", "24,24,24")
@@ -321,10 +364,11 @@ class Science(ArrayCase):
             (["-o", "b.csv", "--fields", "links"], 3, "a.vdb: has no field links"),
             (["-o", "b.csv", "--pad", "1"], 2, "--pad: needs an output with a shape"),
             (["-o", "b.links.csv"], 3, "b.links.csv: cannot hold part,distance; "),
-            (["-o", "b.glb"], 3, " can, and --fields selects some for all files"),
+            (["-o", "b.glb"], 3, " can, and --array selects some for this file"),
+            (["-o", "b.vox", "--array", "none"], 3, "b.vox: the format holds cubes along the axes only; use --lattice cartesian and one --voxel-size, or .npz or .glb for any lattice"),
             (["-o", "b.nii", "--array", "color"], 3, "a.vdb: has no field color"),
             (["-o", "b.nii", "--fields", "part", "--array", "distance"], 2, "--array: distance is not among --fields"),
-            (["-o", "b.csv", "--array", "part"], 2, "--array: needs an output of one array"),
+            (["-o", "b.csv", "--array", "part"], 2, "--array: needs an output that cannot hold all fields: .npy .glb"),
             (["-o", "b.nii", "--fields", "part", "--dims", "3,99,99"], 3, "b.nii: --dims: 3 along i is less than"),
         ):  # fmt: skip
             before = sorted(self.dir.iterdir())

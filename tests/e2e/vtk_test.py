@@ -68,6 +68,16 @@ class Vtk(ArrayCase):
             center = numpy.add(image.GetOrigin(), numpy.divide(spacing, 2))
             numpy.testing.assert_allclose(center, arrays["affine"][:3, 3], rtol=1e-14)
 
+    def test_vti_has_a_component_for_each_link(self):
+        arrays = self.write(BUNNY, [".vti"], "--resolution", "12", "--fields", "part,links,link_triangles,link_crossings")
+        found = named_arrays(read_vtk(vtkXMLImageDataReader(), self.dir / "a.vti").GetCellData())
+        at = tuple((arrays["ijk"] - arrays["index_min"]).T)
+        self.assertEqual(set(found), {"data", "part", "links", "link_triangles", "link_crossings"})
+        for name, nothing in (("links", numpy.nan), ("link_triangles", -1), ("link_crossings", -1)):
+            array = found[name].reshape(*arrays["data"].shape[::-1], 26).transpose(2, 1, 0, 3)
+            numpy.testing.assert_array_equal(array[at], arrays[name], name)
+            numpy.testing.assert_array_equal(array[arrays["data"] == 0], nothing, name)
+
     def test_vtu_has_a_point_for_each_voxel_of_every_lattice(self):
         for name, options in LATTICES.items():
             fields = ["--fields", "part,distance,links"] if name == "bcc" else []

@@ -188,7 +188,7 @@ def test_array_selects_the_fields_of_files_of_one_array(tool, tmp_path, server):
         (None, "a.nrrd", "and array selects some for this file"),
         ("normal", "a.nrrd", "array: normal is not among fields"),
         ("weight", "a.nrrd", 'array: "weight" is neither none nor a field'),
-        ("part", "a.vdb", "array: needs an output of one array"),
+        ("part", "a.vdb", "array: needs an output that cannot hold all fields"),
         ("part,none", "a.nrrd", 'array: "none" stands alone'),
     ):
         with pytest.raises(latvox.InvalidArgument, match=text):

@@ -189,7 +189,7 @@ class Grid(Bricks):
         path: also "s3://BUCKET/KEY", or the URL of a web server that takes files.
         npy: content of a .npy, "coordinates" or "dense".
         allow_http: whether an http: URL may be of another machine. Everybody in between can read and change the file.
-        array: fields of a file that is one array, such as .nii; or "none". None: the call's array, else all fields.
+        array: fields of a file that cannot hold all, such as .nii; or "none". None: the call's array, else all fields.
         """
         if npy not in ("coordinates", "dense"):
             raise ValueError(f'npy: "{npy}" is not one of coordinates, dense')

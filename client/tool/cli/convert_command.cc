@@ -66,7 +66,7 @@ absl::StatusOr<std::unique_ptr<Output>> Open(const std::string& path, const Voxe
                                              const OutputOptions& options) {
   const std::string why_not = WhyNotHeld(path, request.fields, options);
   if (why_not.empty()) return OpenOutput(path, request, options);
-  const bool may_select = !request.fields.empty() && !IsOneArray(path, options);
+  const bool may_select = !request.fields.empty() && !IsLimited(path, options);
   return absl::InvalidArgumentError(
       absl::StrCat(path, ": ", why_not, may_select ? ", and --fields selects some for all files" : ""));
 }

@@ -173,7 +173,7 @@ void CheckHeld(const VoxelizeOptions& options) {
     const std::string why_not = WhyNotHeld(output, fields, of_outputs);
     if (why_not.empty()) continue;
     if (fields.empty()) Refuse("--fields: ", output, " needs links, link_triangles or link_crossings");
-    const bool is_selected = of_outputs.array && IsOneArray(output, of_outputs);
+    const bool is_selected = of_outputs.array && IsLimited(output, of_outputs);
     Refuse(is_selected ? "--array: " : "--fields: ", output, " ", why_not);
   }
 }

@@ -33,8 +33,8 @@ std::vector<OptionRow> ShapeRows(ShapeWords& words) {
       {.names = "--array",
        .target = &words.array,
        .help =
-           absl::StrCat("Fields that files of one array hold, or none; other files hold all. Files of one array are ",
-                        absl::StrJoin(OneArrayExtensions(), " "), "; .npy only with --npy dense"),
+           absl::StrCat("Fields of files whose format cannot hold all, or none; other files hold all. Such files are ",
+                        absl::StrJoin(LimitedExtensions(), " "), "; .npy only with --npy dense"),
        .value = "NAME,...",
        .checks = {{CheckFieldList}},
        .standard = "all"},
@@ -74,9 +74,9 @@ void InterpretShape(const ShapeWords& words, const std::vector<std::string>& out
 }
 
 void CheckArrayOutput(const std::vector<std::string>& outputs, const OutputOptions& options) {
-  const auto is_one_array = [&options](const std::string& path) { return IsOneArray(path, options); };
-  if (std::any_of(outputs.begin(), outputs.end(), is_one_array)) return;
-  Refuse("--array: needs an output of one array: ", absl::StrJoin(OneArrayExtensions(), " "),
+  const auto is_limited = [&options](const std::string& path) { return IsLimited(path, options); };
+  if (std::any_of(outputs.begin(), outputs.end(), is_limited)) return;
+  Refuse("--array: needs an output that cannot hold all fields: ", absl::StrJoin(LimitedExtensions(), " "),
          "; for .npy, also --npy dense");
 }
 

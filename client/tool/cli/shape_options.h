@@ -21,7 +21,7 @@ std::vector<OptionRow> ShapeRows(ShapeWords& words);
 // Writes the options of arrays to `options`. Throws UsageError if no output has what they are about.
 void InterpretShape(const ShapeWords& words, const std::vector<std::string>& outputs, OutputOptions& options);
 
-// Throws UsageError if no output is one array.
+// Throws UsageError if each output can hold all fields.
 void CheckArrayOutput(const std::vector<std::string>& outputs, const OutputOptions& options);
 
 // Throws UsageError if --array has a field that voxels with these fields lack.

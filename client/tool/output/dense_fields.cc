@@ -48,7 +48,7 @@ absl::Status DenseFields::Begin(const Accepted& accepted, const std::string& tar
 
 absl::Status DenseFields::SetBox(const std::optional<IndexBox>& box) {
   uint64_t element = 1;
-  if (are_joined_) element = Joined().empty.size();
+  if (are_joined_) element = Joined(Arrays()).empty.size();
   for (const DenseArray& array : Arrays()) element = std::max<uint64_t>(element, array.empty.size());
   return box_.SetBox(box, element, target_);
 }
@@ -75,24 +75,24 @@ std::vector<DenseArray> DenseFields::Arrays() const {
       {"data", NumberType::kUint8, 1, std::string(1, '\0'), [](uint64_t, char* element) { *element = 1; }}};
   for (const FieldValues& values : fields_) {
     const FieldFacts& facts = FactsOf(values.field);
-    if (facts.is_of_links()) continue;
+    const bool is_label = facts.type == NumberType::kUint32 && facts.field != Field::kLinkCrossings;
     const auto add = [&](const std::string& name, size_t first, size_t components) {
       std::string empty;
       for (size_t n = 0; n < components; ++n) empty += EmptyOf(facts.type);
       const size_t skipped = first * EmptyOf(facts.type).size();
-      arrays.push_back(
-          {name, facts.type, components, empty, [&values, skipped, bytes = empty.size()](uint64_t n, char* to) {
-             std::memcpy(to, BytesAt(values, n) + skipped, bytes);
-           }});
+      arrays.push_back({name, facts.type, components, empty,
+                        [&values, skipped, bytes = empty.size()](uint64_t n, char* to) {
+                          std::memcpy(to, BytesAt(values, n) + skipped, bytes);
+                        },
+                        is_label});
     };
-    if (!facts.is_of_labels()) add(facts.name, 0, facts.components);
+    if (!facts.is_of_labels()) add(facts.name, 0, values.components());
     for (size_t n = 0; n < values.labels.size(); ++n) add(FractionName(values.labels[n]), n, 1);
   }
   return arrays;
 }
 
-DenseArray DenseFields::Joined() const {
-  std::vector<DenseArray> arrays = Arrays();
+DenseArray Joined(std::vector<DenseArray> arrays) {
   if (arrays.size() > 1) arrays.erase(arrays.begin());
   DenseArray joined = arrays.front();
   for (size_t n = 1; n < arrays.size(); ++n) {

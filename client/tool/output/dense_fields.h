@@ -25,6 +25,7 @@ struct DenseArray {
   size_t components;  // of an element
   std::string empty;  // bytes of an element that is not a voxel
   std::function<void(uint64_t n, char* element)> put;
+  bool is_label = false;  // numbers of parts, materials or triangles
 
   uint64_t bytes(const DenseBox& box) const { return box.rows() * box.row_elements() * empty.size(); }
 };
@@ -34,7 +35,7 @@ struct DenseArray {
 class DenseFields {
  public:
   //   without_voxels   the box if there are neither voxels nor dims
-  //   are_joined       the fields become one array: see Joined
+  //   are_joined       the fields become one array: see Joined, below
   DenseFields(const std::vector<Field>& fields, DenseOrder order, const BoxShape& shape,
               const IndexBox& without_voxels = {}, bool are_joined = false);
   DenseFields(const DenseFields&) = delete;
@@ -51,14 +52,10 @@ class DenseFields {
   // Call it after the last batch, and then box(), corner() and Arrays().
   absl::Status Finish();
 
-  // Returns `data`, uint8, 1 for a voxel and 0 elsewhere; then an array for each field except those of links, with the
-  // field's name, or one for each label, with FractionName. Where there is no voxel, floats are NaN, int32 are -1, and
-  // other numbers 0.
+  // Returns `data`, uint8, 1 for a voxel and 0 elsewhere; then an array for each field, with the field's name, or one
+  // for each label, with FractionName. Fields of links have a component for each neighbor. Where there is no voxel,
+  // floats are NaN, int32 are -1, and other numbers 0.
   std::vector<DenseArray> Arrays() const;
-
-  // Returns `data` without a field. Otherwise returns the array of all fields; its elements have their components, one
-  // field after the other, and its name has commas. Precondition: their numbers have one type.
-  DenseArray Joined() const;
 
   DenseBox& box() { return box_; }
   const GridTransform& grid() const { return grid_; }
@@ -79,6 +76,10 @@ class DenseFields {
   DenseBox box_;
   std::vector<FieldValues> fields_;
 };
+
+// Returns `data` if it is the only array of DenseFields. Otherwise returns the array of all fields; its elements have
+// their components, one field after the other, and its name has commas. Precondition: their numbers have one type.
+DenseArray Joined(std::vector<DenseArray> arrays);
 
 }  // namespace latvox::client
 

@@ -14,7 +14,9 @@ namespace {
 class DenseNpyOutput final : public Output {
  public:
   DenseNpyOutput(std::unique_ptr<AtomicFile> file, const std::vector<Field>& fields, const BoxShape& shape)
-      : file_(std::move(file)), fields_(fields, DenseOrder::kLastFastest, shape) {}
+      : file_(std::move(file)),
+        has_columns_(HasColumns(fields)),
+        fields_(fields, DenseOrder::kLastFastest, shape, {}, /*are_joined=*/true) {}
 
   absl::Status Begin(const Accepted& accepted) override { return fields_.Begin(accepted, file_->target()); }
 
@@ -23,9 +25,9 @@ class DenseNpyOutput final : public Output {
   absl::Status Finish(const Summary&) override {
     if (auto status = fields_.Finish(); !status.ok()) return status;
     DenseBox& box = fields_.box();
-    const DenseArray array = fields_.Arrays().back();
+    const DenseArray array = Joined(fields_.Arrays());
     std::vector<uint64_t> shape(box.shape().begin(), box.shape().end());
-    if (array.components > 1) shape.push_back(array.components);
+    if (has_columns_) shape.push_back(array.components);
     const std::string header = NpyHeader(absl::StrCat("'", NumpyTypeOf(array.type), "'"), shape);
     if (auto status = file_->Append(header); !status.ok()) return status;
     DenseRows rows(box, array.empty, array.put);
@@ -39,7 +41,13 @@ class DenseNpyOutput final : public Output {
   absl::Status Commit() override { return file_->Commit(); }
 
  private:
+  // Whether the array has an axis of components: also for a single label, so that programs work for any number of them.
+  static bool HasColumns(const std::vector<Field>& fields) {
+    return !fields.empty() && FactsOf(fields.front()).components != 1;
+  }
+
   std::unique_ptr<AtomicFile> file_;
+  const bool has_columns_;
   DenseFields fields_;
 };
 

@@ -33,6 +33,11 @@ std::string Numbers(const Vec3d& v, const char* separator) {
   return absl::StrJoin(v, separator, [](std::string* out, double x) { absl::StrAppendFormat(out, "%.17g", x); });
 }
 
+// Returns "-1,0,1 0,0,1": lattice vectors.
+std::string Vectors(const std::vector<Vec3i>& vectors) {
+  return absl::StrJoin(vectors, " ", [](std::string* out, const Vec3i& v) { *out += absl::StrJoin(v, ","); });
+}
+
 std::string MetaImageHead(const ImageFacts& image, const std::string& compression, const std::string& data_file) {
   const Vec3d* const steps[] = {&image.basis.a, &image.basis.b, &image.basis.c};
   std::string rows;
@@ -41,8 +46,10 @@ std::string MetaImageHead(const ImageFacts& image, const std::string& compressio
     spacing[n] = Length(*steps[n]);
     absl::StrAppend(&rows, n == 0 ? "" : " ", Numbers(Unit(*steps[n]), " "));
   }
-  return absl::StrCat("ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\n", compression,
-                      "TransformMatrix = ", rows, "\nOffset = ", Numbers(image.corner, " "),
+  const std::string comment =
+      image.neighbors.empty() ? "" : absl::StrCat("Comment = neighbors ", Vectors(image.neighbors), "\n");
+  return absl::StrCat("ObjectType = Image\nNDims = 3\n", comment, "BinaryData = True\nBinaryDataByteOrderMSB = False\n",
+                      compression, "TransformMatrix = ", rows, "\nOffset = ", Numbers(image.corner, " "),
                       "\nCenterOfRotation = 0 0 0\nElementSpacing = ", Numbers(spacing, " "),
                       "\nDimSize = ", absl::StrJoin(image.shape, " "), "\nElementNumberOfChannels = ", image.components,
                       "\nElementType = ", NamesOf(image.type).meta_image, "\nElementDataFile = ", data_file, "\n");
@@ -123,6 +130,8 @@ std::string NrrdHeader(const ImageFacts& image) {
   const auto& [a, b, c] = image.basis;
   const bool many = image.components > 1;
   const std::string first = absl::StrCat(image.components, " ");
+  const std::string neighbors =
+      image.neighbors.empty() ? "" : absl::StrCat("neighbors:=", Vectors(image.neighbors), "\n");
   return absl::StrCat("NRRD0005\ncontent: ", image.name, "\ntype: ", NamesOf(image.type).nrrd,
                       "\ndimension: ", many ? 4 : 3, "\nspace: left-posterior-superior\nsizes: ", many ? first : "",
                       absl::StrJoin(image.shape, " "), "\nspace directions: ", many ? "none " : "", "(",
@@ -132,7 +141,7 @@ std::string NrrdHeader(const ImageFacts& image) {
                       : many                                     ? "vector "
                                                                  : "",
                       "domain domain domain\nendian: little\nencoding: gzip\nspace origin: (",
-                      Numbers(image.corner, ","), ")\n", SegmentLines(image.segments), "\n");
+                      Numbers(image.corner, ","), ")\n", neighbors, SegmentLines(image.segments), "\n");
 }
 
 std::string MetaImageHeader(const ImageFacts& image, uint64_t compressed_bytes) {

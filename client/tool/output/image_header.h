@@ -20,16 +20,19 @@ struct ImageFacts {
   size_t components = 1;
   std::string name;                        // of the field, of the fields with commas between them, or "data"
   std::vector<std::string> segments = {};  // names of labels 1, 2 and so on; "": unknown
-  bool is_list = false;                    // the components are not those of one field
+  bool is_list = false;                    // the components are not those of a vector
+  std::vector<Vec3i> neighbors = {};       // of fields of links: the lattice vectors of their components
 };
 
 // NRRD0005, up to the empty line; the data follow in gzip. `space directions` are the basis. The space is
 // left-posterior-superior, because ITK and Slicer take positions in meshes for that: so mesh and voxels lie on each
-// other. Components come first among the axes. Names of labels are the keys of 3D Slicer's segmentations.
+// other. Components come first among the axes. Names of labels are the keys of 3D Slicer's segmentations. Lattice
+// vectors of neighbors are the key `neighbors`.
 std::string NrrdHeader(const ImageFacts& image);
 
 // MetaImage. Rows of TransformMatrix are the unit vectors of the basis, ElementSpacing are their lengths. ITK takes
 // positions for left-posterior-superior, too.
+// Lattice vectors of neighbors are in the comment.
 //   compressed_bytes   length of the zlib stream that follows; the header's length does not depend on it
 std::string MetaImageHeader(const ImageFacts& image, uint64_t compressed_bytes);
 
@@ -40,7 +43,9 @@ std::string MetaImageHeader(const ImageFacts& image, const std::string& data_fil
 bool NeedsNifti2(const std::array<uint64_t, 3>& shape);
 
 // NIfTI-1 of one file, 352 bytes; if NeedsNifti2, NIfTI-2, 544 bytes. sform is the basis, in floats or doubles; its
-// code says "aligned to another file", the mesh. There is no qform, because a quaternion knows only right angles.
+// code says "aligned to another file", the mesh. There is no qform, because a quaternion knows only right angles. The
+// header is written by hand, because it is a dozen numbers at fixed places. Debian's libnifti2 opens a file by its name
+// and compresses by itself. So a file could neither be an AtomicFile nor use the Deflater.
 // Colors are RGB24; other components are the fifth dimension, so that all elements of one component come before those
 // of the next.
 std::string NiftiHeader(const ImageFacts& image);

@@ -26,9 +26,12 @@ DenseArray Component(const DenseArray& array, size_t component) {
   return {array.name, array.type, 1, array.empty.substr(0, bytes), put};
 }
 
-// Returns an array of integers that are one more, and 0 where there is no voxel. Others remain.
+// Returns an array of labels that are one more, and 0 where there is no voxel. Other numbers remain; integers are 0
+// where there is no voxel.
 DenseArray AsLabels(const DenseArray& array) {
   if (array.type != NumberType::kUint32) return array;
+  const std::string empty(array.empty.size(), '\0');
+  if (!array.is_label) return {array.name, array.type, array.components, empty, array.put};
   const auto put = [before = array.put, components = array.components](uint64_t n, char* to) {
     before(n, to);
     for (size_t component = 0; component < components; ++component, to += sizeof(int32_t)) {
@@ -38,7 +41,7 @@ DenseArray AsLabels(const DenseArray& array) {
       std::memcpy(to, &number, sizeof(number));
     }
   };
-  return {array.name, array.type, array.components, std::string(array.empty.size(), '\0'), put};
+  return {array.name, array.type, array.components, empty, put};
 }
 
 class ImageOutput final : public Output {
@@ -55,6 +58,7 @@ class ImageOutput final : public Output {
 
   absl::Status Begin(const Accepted& accepted) override {
     if (auto status = fields_.Begin(accepted, file_->target()); !status.ok()) return status;
+    if (HasLinks()) neighbors_ = accepted.neighbors;
     if (format_ != ImageFormat::kMetaPair) return absl::OkStatus();
     const std::filesystem::path data_path = std::filesystem::path(file_->target()).replace_extension(".raw");
     const std::string name = data_path.filename().string();
@@ -71,15 +75,19 @@ class ImageOutput final : public Output {
 
   absl::Status Finish(const Summary&) override {
     if (auto status = fields_.Finish(); !status.ok()) return status;
-    const DenseArray array = AsLabels(fields_.Joined());
+    std::vector<DenseArray> arrays = fields_.Arrays();
+    for (DenseArray& each : arrays) each = AsLabels(each);
+    const bool is_list = arrays.size() > 2 || HasLinks();
+    const DenseArray array = Joined(std::move(arrays));
     const ImageFacts image = {fields_.grid().basis,
                               fields_.corner(),
                               fields_.box().shape(),
                               array.type,
                               array.components,
-                              array.name,
+                              is_nifti() ? NameOfField() : array.name,
                               segments_,
-                              /*is_list=*/fields_.Arrays().size() > 2};
+                              is_list,
+                              neighbors_};
     if (auto status = Write(image, array); !status.ok()) return status;
     if (data_ != nullptr) {
       if (auto status = data_->Sync(); !status.ok()) return status;
@@ -96,6 +104,14 @@ class ImageOutput final : public Output {
   }
 
  private:
+  bool HasLinks() const {
+    const auto is_of_links = [](const FieldValues& values) { return FactsOf(values.field).is_of_links(); };
+    return std::ranges::any_of(fields_.values(), is_of_links);
+  }
+
+  // Returns that of the only field: NIfTI has no room for the names of all labels.
+  std::string NameOfField() const { return fields_.values().empty() ? "data" : NameOf(fields_.values()[0].field); }
+
   bool is_nifti() const { return format_ == ImageFormat::kNifti || format_ == ImageFormat::kNiftiGzip; }
 
   absl::Status Write(const ImageFacts& image, const DenseArray& array) {
@@ -154,6 +170,7 @@ class ImageOutput final : public Output {
   const ImageFormat format_;
   DenseFields fields_;
   std::vector<std::string> segments_;  // names of its numbers
+  std::vector<Vec3i> neighbors_;       // for fields of links
 };
 
 }  // namespace

@@ -17,6 +17,12 @@
 namespace latvox::client {
 namespace {
 
+// Fields of links are no dense arrays: other points of the box would be most of the file.
+std::vector<Field> WithoutLinks(std::vector<Field> fields) {
+  std::erase_if(fields, [](Field field) { return FactsOf(field).is_of_links(); });
+  return fields;
+}
+
 ZipMember Dense(const DenseArray& array, DenseBox& box) {
   std::vector<uint64_t> shape(box.shape().begin(), box.shape().end());
   if (array.components > 1) shape.push_back(array.components);
@@ -31,15 +37,24 @@ ZipMember Dense(const DenseArray& array, DenseBox& box) {
 class NpzOutput final : public Output {
  public:
   NpzOutput(std::unique_ptr<AtomicFile> file, const std::vector<Field>& fields, const BoxShape& shape)
-      : file_(std::move(file)), fields_(fields, DenseOrder::kLastFastest, shape) {}
+      : file_(std::move(file)), fields_(WithoutLinks(fields), DenseOrder::kLastFastest, shape) {
+    for (const Field field : fields) {
+      if (FactsOf(field).is_of_links()) links_.push_back({field, {}});
+    }
+  }
 
   absl::Status Begin(const Accepted& accepted) override {
     neighbors_ = accepted.neighbors;
+    for (FieldValues& values : links_) values = accepted.NoValues(values.field);
     return fields_.Begin(accepted, file_->target());
   }
 
   absl::Status Add(const BrickBatch& batch) override {
     bricks_.insert(bricks_.end(), batch.bricks.begin(), batch.bricks.end());
+    for (FieldValues& values : links_) {
+      const std::vector<std::byte>& more = FindField(batch.fields, values.field)->bytes;
+      values.bytes.insert(values.bytes.end(), more.begin(), more.end());
+    }
     return fields_.Add(batch);
   }
 
@@ -79,12 +94,11 @@ class NpzOutput final : public Output {
             }};
   }
 
-  // Adds fields of links: a row for each voxel, and none for other points of the box, which would be most of the file.
+  // Adds fields of links: a row for each voxel.
   void AddLinks(std::vector<ZipMember>& members) const {
     const uint64_t rows = CountAll(), columns = neighbors_.size();
     members.push_back(RowsMember("neighbors", TriplesHeader(columns), neighbors_));
-    for (const FieldValues& values : fields_.values()) {
-      if (!FactsOf(values.field).is_of_links()) continue;
+    for (const FieldValues& values : links_) {
       const std::string type = absl::StrCat("'", NumpyTypeOf(FactsOf(values.field).type), "'");
       members.push_back(
           RowsMember(NameOf(values.field), NpyHeader(type, std::array<uint64_t, 2>{rows, columns}), values.bytes));
@@ -109,8 +123,9 @@ class NpzOutput final : public Output {
 
   std::unique_ptr<AtomicFile> file_;
   DenseFields fields_;
-  std::vector<Vec3i> neighbors_;  // for fields of links
-  std::vector<Brick> bricks_;     // in the order of the stream
+  std::vector<Vec3i> neighbors_;    // for fields of links
+  std::vector<FieldValues> links_;  // the fields of links
+  std::vector<Brick> bricks_;       // in the order of the stream
 };
 
 }  // namespace

@@ -130,8 +130,9 @@ std::unique_ptr<Output> NewHtmlOutput(std::unique_ptr<AtomicFile> file, const Vo
   return NewPageOutput(std::move(file), options, open);
 }
 
-std::unique_ptr<Output> NewFacetOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest&, const OutputOptions&) {
-  return NewGlbOutput(std::move(file));
+std::unique_ptr<Output> NewFacetOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request,
+                                       const OutputOptions&) {
+  return NewGlbOutput(std::move(file), request.fields);
 }
 
 std::unique_ptr<Output> NewNpyOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request,
@@ -184,12 +185,10 @@ using NewOutput = std::unique_ptr<Output> (*)(std::unique_ptr<AtomicFile>, const
 // The fields that a format holds or shows.
 enum class Holds {
   kNone,
-  kColor,
   kPainted,  // one that gives each voxel a color: color, material, or part
-  kOne,      // one with a fixed size
-  kOneType,  // all except those of links, if they have one type of numbers
-  kFixed,    // all except those of links
-  kLinks,    // all others, and nothing without one
+  kOne,
+  kOneType,  // all, if they have one type of numbers
+  kLinks,    // those of links, and nothing without one
   kAll,
 };
 
@@ -213,10 +212,10 @@ constexpr Format kFormats[] = {
     {kPly, "points", NewTable<kPly>, Holds::kAll},
     {".png", "picture", NewPngOutput, Holds::kAll, /*is_placed=*/false},
     {".html", "page", NewHtmlOutput, Holds::kAll, /*is_placed=*/true, /*by_openvdb=*/true},
-    {".glb", "surface of cells", NewFacetOutput, Holds::kColor},
+    {".glb", "surface of cells", NewFacetOutput, Holds::kPainted},
     {".binvox", "binvox", NewCubeOutput, Holds::kNone},
     {".vox", "MagicaVoxel", NewSceneOutput, Holds::kPainted, /*is_placed=*/false},
-    {".vti", "VTK, cells of a box", NewCellOutput, Holds::kFixed},
+    {".vti", "VTK, cells of a box", NewCellOutput, Holds::kAll},
     {".vtu", "VTK, points", NewGridOfCells<VtuForm::kPoints>, Holds::kAll},
     {kCellsVtu, "VTK, Voronoi cells", NewGridOfCells<VtuForm::kCells>, Holds::kAll},
     {".h5", "HDF5", NewHdf5Output, Holds::kAll},
@@ -229,27 +228,23 @@ constexpr Format kFormats[] = {
     {kNiiGz, "NIfTI, compressed", NewImage<ImageFormat::kNiftiGzip>, Holds::kOne},
 };
 
-// Returns whether an array with one element per lattice point can hold the fields: none, or one that is neither of
-// links nor of labels.
-bool FitsOneArray(const std::vector<Field>& fields) {
-  return fields.size() <= 1 && !CarriesLinks(fields) && !CarriesField(fields, Field::kLabelFractions);
+Holds WhatHolds(const Format& format, const OutputOptions& options) {
+  return options.dense_npy && format.extension == kNpy ? Holds::kOne : format.holds;
 }
 
 bool CanHold(const Format& format, const std::vector<Field>& fields, const OutputOptions& options) {
-  if (options.dense_npy && format.extension == kNpy) return FitsOneArray(fields);
-  if (format.holds == Holds::kLinks) {
+  const Holds holds = WhatHolds(format, options);
+  if (holds == Holds::kLinks) {
     const auto is_of_links = [](Field field) { return FactsOf(field).is_of_links(); };
     return !fields.empty() && std::all_of(fields.begin(), fields.end(), is_of_links);
   }
-  if (fields.empty() || format.holds == Holds::kAll) return true;
-  if (format.holds == Holds::kFixed) return !CarriesLinks(fields);
-  if (format.holds == Holds::kOne) return FitsOneArray(fields);
-  if (format.holds == Holds::kOneType) {
+  if (fields.empty() || holds == Holds::kAll) return true;
+  if (holds == Holds::kOneType) {
     const auto differs = [&fields](Field field) { return FactsOf(field).type != FactsOf(fields.front()).type; };
-    return !CarriesLinks(fields) && std::none_of(fields.begin(), fields.end(), differs);
+    return std::none_of(fields.begin(), fields.end(), differs);
   }
-  if (format.holds == Holds::kPainted) return fields.size() == 1 && DefaultColorBy({fields}) != ColorBy::kNone;
-  return format.holds == Holds::kColor && fields == std::vector<Field>{Field::kColor};
+  if (fields.size() > 1 || holds == Holds::kNone) return false;
+  return holds == Holds::kOne || DefaultColorBy({fields}) != ColorBy::kNone;
 }
 
 // Returns the format of the path's extension, or nullptr.
@@ -262,15 +257,16 @@ const Format* FormatOf(const std::string& path) {
 }
 
 std::vector<Field> FieldsIn(const std::string& path, const std::vector<Field>& fields, const OutputOptions& options) {
-  return options.array && IsOneArray(path, options) ? *options.array : fields;
+  return options.array && IsLimited(path, options) ? *options.array : fields;
 }
 
 // Returns how --array makes the file hold some of the fields that it cannot hold together, or "".
 const char* WhatArraySelects(const std::string& path, const std::vector<Field>& fields, const OutputOptions& options) {
-  if (options.array || !IsOneArray(path, options)) return "";
+  if (options.array || !IsLimited(path, options)) return "";
   const auto fits = [&](Field field) { return CanHold(*FormatOf(path), {field}, options); };
   const bool any_fits = std::any_of(fields.begin(), fields.end(), fits);
-  return any_fits ? ", and --array selects some for this file" : ", and --array none writes 0 and 1";
+  if (any_fits) return ", and --array selects some for this file";
+  return CanHold(*FormatOf(path), {}, options) ? ", and --array none leaves them out of this file" : "";
 }
 
 }  // namespace
@@ -305,17 +301,20 @@ const std::vector<std::string>& ShapedExtensions() {
   return *kExtensions;
 }
 
-const std::vector<std::string>& OneArrayExtensions() {
+const std::vector<std::string>& LimitedExtensions() {
   static const auto* const kExtensions = [] {
-    auto* const extensions = new std::vector<std::string>(ShapedExtensions());
-    std::erase_if(*extensions, [](const std::string& each) { return each == ".npz" || each == ".vti"; });
+    auto* const extensions = new std::vector<std::string>;
+    for (const Format& format : kFormats) {
+      if (WhatHolds(format, {.dense_npy = true}) != Holds::kAll) extensions->push_back(format.extension);
+    }
     return extensions;
   }();
   return *kExtensions;
 }
 
-bool IsOneArray(const std::string& path, const OutputOptions& options) {
-  return HasExtension(path, OneArrayExtensions()) && (options.dense_npy || !HasExtension(path, {kNpy}));
+bool IsLimited(const std::string& path, const OutputOptions& options) {
+  const Format* const format = FormatOf(path);
+  return format != nullptr && WhatHolds(*format, options) != Holds::kAll;
 }
 
 std::string WhyNotHeld(const std::string& path, const std::vector<Field>& fields, const OutputOptions& options) {

@@ -46,7 +46,7 @@ using MetadataPairs = std::vector<std::pair<std::string, std::string>>;
 // Options of an output besides its extension.
 struct OutputOptions {
   bool dense_npy = false;
-  std::optional<std::vector<Field>> array = std::nullopt;  // fields of an output that IsOneArray; absent: all
+  std::optional<std::vector<Field>> array = std::nullopt;  // fields of an output that IsLimited; absent: all
   BoxShape shape = {};                                     // of dense arrays
   UpAxis picture_up = UpAxis::kY;                          // axis of the world that points up in a .png or .html
   MeshNote note = {};                                      // of the mesh, for the metadata of grids
@@ -63,8 +63,8 @@ const std::vector<std::string>& OutputExtensions();
 // Returns the extensions of the formats that have OutputOptions::shape; a .npy only if it is dense.
 const std::vector<std::string>& ShapedExtensions();
 
-// Returns those of them whose file is one array, not one for each field; a .npy only if it is dense.
-const std::vector<std::string>& OneArrayExtensions();
+// Returns the extensions of the formats that hold some fields alone, or some together; a .npy only if it is dense.
+const std::vector<std::string>& LimitedExtensions();
 
 // Returns the formats that are one file, and so can be sent to standard output: the extension without the dot, and what
 // it is.
@@ -73,9 +73,8 @@ std::vector<std::pair<std::string, std::string>> StreamedFormats();
 // Returns whether the path has one of these extensions.
 bool HasExtension(const std::string& path, const std::vector<std::string>& extensions);
 
-// Returns whether the file is one array with an element per lattice point: a dense .npy, a .binvox, or an image. Then
-// OutputOptions::array selects its fields.
-bool IsOneArray(const std::string& path, const OutputOptions& options);
+// Returns whether the file's format cannot hold all fields together. Then OutputOptions::array selects its fields.
+bool IsLimited(const std::string& path, const OutputOptions& options);
 
 // Returns the names with commas between them: "part,distance".
 std::string JoinNames(const std::vector<Field>& fields);
@@ -104,23 +103,25 @@ std::optional<Warning> WarningOfPlace(const std::vector<std::string>& paths);
 //   .links.csv, .links.npz   crossed links: see client/tool/output/link_output.h
 //   .vti, .vtu, .cells.vtu   cells of a box, points, and Voronoi cells: see client/tool/output/vtk_output.h
 //   .nrrd, .mha, .mhd, .nii, .nii.gz   images in space, see client/tool/output/image_output.h
-// WhyNotHeld tells which fields do not fit: those of links neither .vti nor images, .glb, .binvox and .vox.
+// WhyNotHeld tells which fields do not fit.
 // Columns are those of client/tool/output/field_columns.h. label_fractions is an array, a grid, a column or a member
 // for each label, with FractionName, and in a .h5 an array with a column for each:
 //   .vdb, .nvdb   one more grid for each, see latvox/grid/field_grids.h; a band with distances alone, see
 //          distance_grid.h
 //   .csv   further columns, floats with 9 significant digits; part_name, material_name, if there are names
-//   .npy   structured array: ijk, three int32, and one member for each field, with its name; dense: one field
+//   .npy   structured array: ijk, three int32, and one member for each field, with its name; dense: one field, whose
+//          components are a fourth axis
 //   .npz   one more array for each, with its name; for fields of links, of the voxels alone, with ijk and neighbors
 //   .ply   further properties
 //   .png   picture of voxels in their colors, otherwise by material, otherwise by part; of a band with distances, the
 //          voxels nearest to the surface, see client/tool/output/picture_scene.h
-//   .vox   the colors of a picture, as a palette
-//   .glb   colors of the surface's vertices; no other fields
-//   .vti, .vtu   arrays
+//   .vox   the color, or a color for each material or part, as a palette; one field
+//   .glb   the same as colors of the surface's vertices
+//   .vti, .vtu   arrays; those of links have a component for each neighbor
 //   images   components of each element, if the fields have one type of numbers; NIfTI one field
 // Voxels come in the order of the stream, those of a brick in lexicographic order. Memory does not grow with the
-// voxels, except for .vdb, .nvdb, .html, .glb, .binvox, .vox and dense arrays: .npy, .npz, .vti and images, and .vtu.
+// voxels, except for .vdb, .nvdb, .html, .glb, .binvox, .vox, .vtu, .links.npz and dense arrays: .npy, .npz, .vti
+// and images.
 // Errors: INVALID_ARGUMENT: the extension; the fields, see WhyNotHeld; FAILED_PRECONDITION: the file cannot be created;
 // of .vdb, .nvdb and .html, those of Vdb::Prepare, and later those of Vdb::Load.
 absl::StatusOr<std::unique_ptr<Output>> OpenOutput(const std::string& path, const VoxelizeRequest& request = {},

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <initializer_list>
 #include <limits>
@@ -15,9 +16,10 @@
 #include "absl/container/flat_hash_map.h"
 #include "absl/strings/str_cat.h"
 #include "client/json/json.h"
+#include "client/mesh/srgb.h"
 #include "client/tool/output/cell_index.h"
-#include "client/tool/output/field_columns.h"
 #include "client/tool/output/voronoi_cell.h"
+#include "client/tool/output/voxel_colors.h"
 #include "latvox/for_each_voxel.h"
 
 namespace latvox::client {
@@ -25,13 +27,13 @@ namespace {
 
 // Constants of glTF 2.0 and its binary container: "glTF", version, length, then chunks of length, type and bytes.
 constexpr uint32_t kGlbMagic = 0x46546C67, kGlbVersion = 2, kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;
-constexpr int kUnsignedByte = 5121, kFloat = 5126, kUnsignedInt = 5125, kArrayBuffer = 34962,
+constexpr int kUnsignedShort = 5123, kFloat = 5126, kUnsignedInt = 5125, kArrayBuffer = 34962,
               kElementArrayBuffer = 34963;
 static_assert(std::endian::native == std::endian::little);
 
 using Position = std::array<float, 3>;
 using Triangle = std::array<uint32_t, 3>;
-using Rgba = std::array<uint8_t, 4>;
+using Rgba = std::array<uint16_t, 4>;  // linear, as glTF's vertices have it; 16 bits keep all bytes of sRGB apart
 
 template <class T>
 void AppendTo(std::string& out, const T& value) {
@@ -40,6 +42,15 @@ void AppendTo(std::string& out, const T& value) {
 
 void AppendWords(std::initializer_list<uint32_t> words, std::string& out) {
   for (const uint32_t word : words) AppendTo(out, word);
+}
+
+// Returns the linear color of red << 16 | green << 8 | blue in sRGB.
+Rgba LinearOf(uint32_t color) {
+  Rgba linear{0, 0, 0, UINT16_MAX};
+  for (size_t m = 0; m < 3; ++m) {
+    linear[m] = static_cast<uint16_t>(std::lround(ToLinear(static_cast<uint8_t>(color >> (16 - 8 * m))) * UINT16_MAX));
+  }
+  return linear;
 }
 
 // The triangles of the facets that have no voxel behind them. They are made again for each part of the file, so memory
@@ -96,8 +107,7 @@ class Surface {
   template <class Append>
   absl::Status AppendColors(const std::vector<uint32_t>& colors, const Append& append) {
     return ForEachBrick(append, [&colors](const Vec3i&, size_t voxel, const Pattern& pattern, std::string& bytes) {
-      const uint32_t n = colors[voxel];
-      const Rgba color = {static_cast<uint8_t>(n >> 16), static_cast<uint8_t>(n >> 8), static_cast<uint8_t>(n), 255};
+      const Rgba color = LinearOf(colors[voxel]);
       for (size_t corner = 0; corner < pattern.corners.size(); ++corner) AppendTo(bytes, color);
     });
   }
@@ -219,7 +229,7 @@ Json Describe(const Surface& surface, bool colored, const Summary& summary) {
   if (colored) {
     json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = 2;
     json["accessors"].push_back({{"bufferView", 2},
-                                 {"componentType", kUnsignedByte},
+                                 {"componentType", kUnsignedShort},
                                  {"normalized", true},
                                  {"count", surface.corners()},
                                  {"type", "VEC4"}});
@@ -234,7 +244,8 @@ Json Describe(const Surface& surface, bool colored, const Summary& summary) {
 
 class GlbOutput final : public Output {
  public:
-  explicit GlbOutput(std::unique_ptr<AtomicFile> file) : file_(std::move(file)) {}
+  GlbOutput(std::unique_ptr<AtomicFile> file, const std::vector<Field>& fields)
+      : file_(std::move(file)), traits_{fields}, color_by_(DefaultColorBy(traits_)) {}
 
   absl::Status Begin(const Accepted& accepted) override {
     grid_ = accepted.grid;
@@ -242,11 +253,10 @@ class GlbOutput final : public Output {
   }
 
   absl::Status Add(const BrickBatch& batch) override {
+    const auto colors = ColorsOf(batch, traits_, color_by_);
+    if (!colors.ok()) return colors.status();
     bricks_.insert(bricks_.end(), batch.bricks.begin(), batch.bricks.end());
-    if (const FieldValues* colors = FindField(batch.fields, Field::kColor)) {
-      const size_t voxels = colors->bytes.size() / colors->bytes_of_voxel();
-      for (size_t n = 0; n < voxels; ++n) colors_.push_back(NumberAt(*colors, n));
-    }
+    colors_.insert(colors_.end(), colors->begin(), colors->end());
     return absl::OkStatus();
   }
 
@@ -281,6 +291,8 @@ class GlbOutput final : public Output {
 
  private:
   std::unique_ptr<AtomicFile> file_;
+  const VoxelTraits traits_;
+  const ColorBy color_by_;
   GridTransform grid_;
   std::vector<Brick> bricks_;
   std::vector<uint32_t> colors_;  // of their voxels, if these have some
@@ -288,8 +300,8 @@ class GlbOutput final : public Output {
 
 }  // namespace
 
-std::unique_ptr<Output> NewGlbOutput(std::unique_ptr<AtomicFile> file) {
-  return std::make_unique<GlbOutput>(std::move(file));
+std::unique_ptr<Output> NewGlbOutput(std::unique_ptr<AtomicFile> file, const std::vector<Field>& fields) {
+  return std::make_unique<GlbOutput>(std::move(file), fields);
 }
 
 }  // namespace latvox::client

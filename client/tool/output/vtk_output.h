@@ -16,11 +16,10 @@ inline constexpr char kBoxesOnly[] =
     "the format holds boxes along the axes only; use --lattice cartesian, or .vtu for any lattice";
 
 // .vti: an image whose cells are the lattice points of a box. So the center of a cell is the position of its voxel, and
-// a filter such as Threshold shows the voxels as they are. Cell data: `data`, then the fields; see
-// DenseFields. Without a box, it has one empty cell at lattice point 0.
+// a filter such as Threshold shows the voxels as they are. Cell data: `data`, then the fields, those of links with a
+// component for each neighbor; see DenseFields. Without a box, it has one empty cell at lattice point 0.
 // Memory: 88 bytes for each brick, and the fields. Errors, before the first voxel: INVALID_ARGUMENT for a basis that is
 // not IsAlongAxes; RESOURCE_EXHAUSTED for an array of more than 2^32 bytes.
-//   fields   none of links
 std::unique_ptr<Output> NewVtiOutput(std::unique_ptr<AtomicFile> file, const std::vector<Field>& fields,
                                      const BoxShape& shape);
 

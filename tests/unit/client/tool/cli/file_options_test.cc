@@ -89,8 +89,18 @@ TEST(FileOptions, ArraySelectsTheFieldsOfFilesOfOneArray) {
     Refuses(with({"-o", path, "--array", "normal"}), {"--array: normal is not among --fields"});
   }
   EXPECT_EQ(Refusal(with({"-o", "a.binvox", "--array", "none"})), "accepted");
-  Refuses(with({"-o", "a.binvox"}), {"a.binvox cannot hold distance,part", "and --array none writes 0 and 1"});
-  Refuses({"-o", "a.nii", "--set", "links", "--fields", "links"}, {"a.nii", "and --array none writes 0 and 1"});
+  Refuses(with({"-o", "a.binvox"}), {"a.binvox cannot hold distance,part", "and --array none leaves them out"});
+  EXPECT_EQ(Refusal({"-o", "a.nii", "--set", "links", "--fields", "links"}), "accepted");
+  for (const char* path : {"a.glb", "a.vox"}) {
+    Refuses(with({"-o", path}), {"--fields", path, "cannot hold distance,part", "--array selects some"});
+    Refuses(with({"-o", path, "--array", "distance"}), {"--array", path, "cannot hold distance; .vdb"});
+    EXPECT_EQ(Refusal(with({"-o", path, "--array", "part"})), "accepted");
+    EXPECT_EQ(Refusal(with({"-o", path, "--array", "none"})), "accepted");
+  }
+  Refuses({"-o", "a.links.csv", "--fields", "part,links"}, {"a.links.csv", "--array selects some"});
+  EXPECT_EQ(Refusal({"-o", "a.links.csv", "--fields", "part,links", "--array", "links"}), "accepted");
+  Refuses({"-o", "a.links.csv", "--fields", "part,links", "--array", "none"},
+          {"--array", "cannot hold voxels without"});
   EXPECT_EQ(Refusal(with({"-o", "a.npy", "--npy", "dense", "--array", "part"})), "accepted");
   const VoxelizeOptions options = Parse(with({"-o", "a.nii", "--array", "distance"}));
   EXPECT_THAT(options.output_options.array, testing::Optional(ElementsAre(Field::kDistance)));
@@ -98,7 +108,8 @@ TEST(FileOptions, ArraySelectsTheFieldsOfFilesOfOneArray) {
   Refuses({"-o", "a.nii", "--fields", "part,material,normal", "--array", "part,material"},
           {"--array", "a.nii", "cannot hold part,material", ".nrrd"});
   Refuses(with({"-o", "a.npy", "--array", "part"}),
-          {"--array", "needs an output of one array: .npy .binvox .nrrd .mha .mhd .nii .nii.gz", "--npy dense"});
+          {"--array", "needs an output that cannot hold all fields: .npy .glb .binvox .vox .links.csv .links.npz .nrrd",
+           "--npy dense"});
   Refuses(with({"-o", "a.nii", "--array", "part,part"}), {"--array", "part", "twice"});
   Refuses(with({"-o", "a.nii", "--array", "weight"}), {"--array", "weight", "neither none nor a field"});
   for (const char* list : {"part,none", "none,part", "none,none"}) {
