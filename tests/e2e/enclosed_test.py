@@ -31,8 +31,18 @@ class Enclosed(Case):
         self.assertEqual(closed["certificate"]["walk"]["leak"]["kind"], "enclosed")
         self.assertEqual(closed["certificate"]["walk"]["cavities"], 2)
         self.assertGreater(closed["voxels"], leaky["voxels"])
-        text = latvox("voxelize", self.car, *self.grid, "--set", "enclosed", "--leak-from", CABIN, "-o", self.dir / "a.csv")
+        options = ["--set", "enclosed", "--close", "0", "--leak-from", CABIN, "-o", self.dir / "a.csv"]  # 0 closes none
+        text = latvox("voxelize", self.car, *self.grid, *options)
         self.assertIn("through an opening around", text.stdout)
+        self.assertIn(f"digest {leaky['digest']}", text.stdout)
+
+    def test_the_largest_cavity_has_points_and_volume(self):
+        cube = write_obj(self.dir / "cube.obj", box((0, 0, 0), (8, 8, 8)))
+        options = ["--origin", "0.25,0.25,0.25", "--set", "enclosed", "-o", self.dir / "a.csv"]
+        for lattice in ("cartesian", "fcc"):
+            found = latvox("voxelize", cube, "--lattice", lattice, "--voxel-size", "0.5", *options)
+            points, volume = re.search(r"1 enclosed part, the largest of (\d+) points, volume (\S+)\n", found.stdout).groups()
+            self.assertAlmostEqual(float(volume), int(points) / 8, delta=1e-5 * float(volume))
 
     def test_a_point_outside_of_the_mesh_is_no_leak(self):
         cube = write_obj(self.dir / "cube.obj", box((0, 0, 0), (1, 1, 1)))

@@ -178,6 +178,12 @@ void CheckHeld(const VoxelizeOptions& options) {
   }
 }
 
+WrongWord CheckWidth(const std::string& text) {
+  double number = 0;
+  if (ParseNumber(text, number) && number >= 0) return "";
+  return {absl::StrCat("\"", text, "\" is not a finite number, at least 0"), text, "0"};
+}
+
 std::vector<OptionRow> PointRows(VoxelizeWords& words) {
   return {
       {.names = "--set",
@@ -209,9 +215,9 @@ std::vector<OptionRow> PointRows(VoxelizeWords& words) {
        .checks = {{CheckNumbers<double, 3>}}},
       {.names = "--close",
        .target = &words.close,
-       .help = "Treat holes up to G world units wide as closed, for enclosed sets and regions",
+       .help = "Treat holes up to G world units wide as closed, for enclosed sets and regions; 0 closes none",
        .value = "G",
-       .checks = {{CheckPositive}}},
+       .checks = {{CheckWidth}}},
       {.names = "--leak-from",
        .target = &words.leak_from,
        .help = "Tell how a walk from this world position gets out of an enclosed set",

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <iterator>
 
 #include "absl/strings/str_cat.h"
@@ -47,11 +48,12 @@ std::string LeakText(const Leak& leak, bool closed, double voxel_size) {
 
 std::string WalkText(const VoxelizeReport& report) {
   const auto& walk = report.summary.certificate.walk;
-  const double voxel_size = report.accepted.grid.voxel_size;
+  const double voxel_size = report.accepted.grid.voxel_size, cell = std::pow(voxel_size, 3);
   if (!walk) return "";
   std::string text = absl::StrCat(walk->cavities, walk->cavities == 1 ? " enclosed part" : " enclosed parts");
   if (!walk->largest_cavities.empty()) {
-    absl::StrAppend(&text, ", the largest of ", walk->largest_cavities[0], " points");
+    const uint64_t points = walk->largest_cavities[0];
+    absl::StrAppendFormat(&text, ", the largest of %d points, volume %.6g", points, static_cast<double>(points) * cell);
   }
   text += "\n";
   if (walk->leak) text += LeakText(*walk->leak, report.summary.certificate.closed, voxel_size);

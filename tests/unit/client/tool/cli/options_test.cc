@@ -157,6 +157,10 @@ TEST(Options, EnclosedSetsHaveLabelsAndPriorities) {
   EXPECT_THAT(numbers.request.fields, ElementsAre(Field::kMaterial));
   const VoxelizeOptions names = Parse(with({"--fields", "part", "--priority", "lid,0", "--close", "2"}));
   EXPECT_EQ(names.request.set, VoxelSet(Enclosed{.close = 2, .labels = Field::kPart}));
+  EXPECT_EQ(Parse(with({"--close", "0"})).request.set, VoxelSet(Enclosed{}));
+  for (const char* close : {"-1", "x", "nan", "inf"}) {
+    EXPECT_THAT(Refusal(with({"--close", close})), HasSubstr("is not a finite number, at least 0"));
+  }
   EXPECT_THAT(names.priority, ElementsAre("lid", "0"));
   Refuses(with({"--priority", "2"}), {"--priority", "needs --labels part or material"});
   Refuses({"--resolution", "9", "--set", "region", "--seed", "1,1,1", "--labels", "part", "--priority", "2"},
