@@ -365,7 +365,7 @@ class Science(ArrayCase):
             (["-o", "b.csv", "--pad", "1"], 2, "--pad: needs an output with a shape"),
             (["-o", "b.links.csv"], 3, "b.links.csv: cannot hold part,distance; "),
             (["-o", "b.glb"], 3, " can, and --array selects some for this file"),
-            (["-o", "b.vox", "--array", "none"], 3, "b.vox: the format holds cubes along the axes only; use --lattice cartesian and one --voxel-size, or .npz or .glb for any lattice"),
+            (["-o", "b.vox", "--array", "none"], 3, "b.vox: the format holds cubes along the axes only, those of --lattice cartesian with one --voxel-size; .npz and .glb hold any lattice"),
             (["-o", "b.nii", "--array", "color"], 3, "a.vdb: has no field color"),
             (["-o", "b.nii", "--fields", "part", "--array", "distance"], 2, "--array: distance is not among --fields"),
             (["-o", "b.csv", "--array", "part"], 2, "--array: needs an output that cannot hold all fields: .npy .glb"),
