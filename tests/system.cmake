@@ -143,7 +143,7 @@ if(NOT latvox_sanitized)
   latvox_add_system_test(layering.rooms "${latvox_python};layering/rooms_test.py")
   if(LATVOX_PYTHON)
     latvox_add_system_test(python.package "${latvox_python};-m;pytest;-q;-p;no:cacheprovider;python")
-    latvox_add_system_test(python.pip "${latvox_python};-m;pytest;-q;-p;no:cacheprovider;python/pip_build.py" LABELS slow
+    latvox_add_system_test(deploy.pip "${latvox_python};-m;pytest;-q;-p;no:cacheprovider;python/pip_build.py" LABELS deploy
                            TIMEOUT 7200)
   endif()
   latvox_add_system_test(prose "${latvox_python};prose/prose_test.py")
