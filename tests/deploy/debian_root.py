@@ -16,6 +16,7 @@ import time
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tests" / "e2e"))
 
+import harness  # noqa: E402
 from harness import await_true  # noqa: E402
 
 STATE = pathlib.Path(os.environ["LATVOX_BUILD_DIR"]) / "deploy"
