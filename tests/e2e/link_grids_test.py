@@ -90,7 +90,7 @@ class LinkGrids(Case):
         self.fails("convert", "a.vdb", "-o", "a.links.csv", says="a.links.csv: cannot hold part,normal,links,link_crossings,fraction; .vdb")
         self.fails("convert", "a.vdb", "-o", "a.links.csv", "--fields", "none", says="a.links.csv: cannot hold voxels without links; .vdb")
         self.fails("convert", "a.vdb", "-o", "a.csv", "--fields", "link_triangles", says="a.vdb: has no field link_triangles")
-        self.fails("convert", "b.vdb", "-o", "a.vti", says="a.vti: cannot hold link_crossings; .vdb .nvdb .csv")
+        self.fails("convert", "b.vdb", "-o", "a.glb", says="a.glb: cannot hold link_crossings; .vdb .nvdb .csv")
 
     def test_shards_are_the_whole_byte_for_byte(self):
         mesh = write_obj(self.dir / "octahedron.obj", octahedron(8))
