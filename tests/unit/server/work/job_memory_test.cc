@@ -115,7 +115,7 @@ TEST(JobMemory, ReservesForTheWalkOfEachLabel) {
   };
   const VoxelRequest plain = enclosed(std::nullopt), labeled = enclosed(Field::kPart);
   EXPECT_EQ(ReservedForMesh(labeled, kThreads, kTriangles, kVertices),
-            ReservedForMesh(plain, kThreads, kTriangles, kVertices) + kTriangles * (8 + 56 + 288));
+            ReservedForMesh(plain, kThreads, kTriangles, kVertices) + kTriangles * (8 + 20 + 288));
   JobEstimate estimate;
   estimate.walks = 5;
   EXPECT_EQ(AddedForJob(labeled, estimate), AddedForJob(plain, estimate) + 3 * 12 * kMebibyte + 5 * 64 * 1024);
