@@ -9,6 +9,7 @@ from typing import Any, Dict, Iterable, List, Literal, Optional, Sequence, Union
 import numpy as np
 
 from . import _latvox
+from ._errors import InvalidArgument
 from ._voxels import Grid
 
 _Path = Union[str, "os.PathLike[str]"]
@@ -59,4 +60,6 @@ def merge(parts: Iterable[_Path], out: _Path) -> Dict[str, Any]:
     allows, because all parts are open at once. Errors: InvalidArgument, if the parts do not belong together.
     """
     paths: List[str] = [_word(part) for part in parts]
+    if not paths:
+        raise InvalidArgument("parts names no file; merge needs at least 1", field="parts", value="[]", limit="1")
     return json.loads(_latvox.merge(paths, os.fspath(out)))

@@ -125,8 +125,9 @@ TEST(FileOptions, ImagesHoldOneFieldAndCellsBoxes) {
   EXPECT_EQ(Refusal({"--voxel-size", "1,1,2", "-o", "a.vti"}), "accepted");
   Refuses({"--resolution", "9", "--fields", "part,normal", "-o", "a.mha"},
           {"a.mha", "part,normal", ".vdb .nvdb .csv .npy .npz .ply .png .html .vti .vtu .cells.vtu .h5 can"});
-  Refuses({"--resolution", "9", "--fields", "links", "-o", "a.vti"},
-          {"links", ".vdb .nvdb .csv .npy .npz .ply .png .html .vtu .cells.vtu .h5 .links.csv .links.npz can"});
+  EXPECT_EQ(Refusal({"--resolution", "9", "--fields", "links", "-o", "a.vti"}), "accepted");
+  Refuses({"--resolution", "9", "--fields", "links", "-o", "a.glb"},
+          {"links", ".vdb .nvdb .csv .npy .npz .ply .png .html .vti .vtu .cells.vtu .h5 .links.csv .links.npz .nrrd"});
   Refuses({"--resolution", "9", "--lattice", "bcc", "-o", "a.VTI"}, {"a.VTI", "--lattice cartesian", ".vtu"});
 }
 
