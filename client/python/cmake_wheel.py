@@ -34,7 +34,7 @@ _REGULAR = 0o100000  # the type of a file, in the upper half of a zip archive's 
 
 
 class UnsupportedOperation(Exception):
-    """What PEP 517 calls the error of a hook that does not apply."""
+    """The error, by the name that PEP 517 gives it, of a hook that does not apply."""
 
 
 def _tag():

@@ -96,7 +96,8 @@ class VoxelCall : public MeshCall {
   std::optional<RawMeshCheck> raw_mesh_;  // of the pieces, if they are plain arrays
   bool may_be_kept_ = false;              // a mesh that may be stored: it need not be sent
   v1::VoxelizeResponse writing_message_;  // the write under way; no thread touches it meanwhile
-  // One thread computes all, and sends the messages at the end, as long as the job seems tiny. Of the tasks.
+  // Whether the job seems tiny. Then one thread computes all of it, and sends the messages at the end. Only the thread
+  // that computes touches this.
   bool alone_ = false;
 
   // All below is guarded by mu_. computation_ is set once, and has its own rules for threads.

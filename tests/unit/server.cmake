@@ -23,6 +23,9 @@ latvox_add_test(server_rules_test SOURCES unit/server/wire/rules_test.cc
                 LIBRARIES latvox::server latvox_server_meshes GTest::gmock)
 latvox_add_test(server_computation_test SOURCES unit/server/work/computation_test.cc
                 LIBRARIES latvox::server latvox_server_meshes GTest::gmock)
+latvox_add_test(server_brick_batch_test SOURCES unit/server/wire/brick_batch_test.cc
+                LIBRARIES latvox::server GTest::gmock)
+latvox_add_test(server_mesh_upload_test SOURCES unit/server/work/mesh_upload_test.cc LIBRARIES latvox::server)
 latvox_add_test(server_job_memory_test SOURCES unit/server/work/job_memory_test.cc LIBRARIES latvox::server)
 latvox_add_test(server_solid_test SOURCES unit/server/work/solid_test.cc
                 LIBRARIES latvox::server latvox_server_meshes GTest::gmock)

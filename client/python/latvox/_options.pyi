@@ -13,7 +13,7 @@ _Names = Union[str, Sequence[str], np.ndarray]
 _Labels = Union[str, _Integer, Sequence[Union[str, _Integer]], np.ndarray]
 
 class RequestOptions(TypedDict, total=False):
-    """Of a request."""
+    """Keywords of a request."""
     out: Optional[Union[_Path, Sequence[_Path]]]
     npy: Optional[Literal["coordinates", "dense"]]
     array: Optional[_Names]
@@ -60,14 +60,14 @@ class RequestOptions(TypedDict, total=False):
     weld_report: Optional[bool]
 
 class CallOptions(TypedDict, total=False):
-    """Of a call, besides its request."""
+    """Keywords of a call, besides its request."""
     allow_http: Optional[bool]
     timeout: Optional[_Number]
     retries: Optional[_Integer]
     traceparent: Optional[str]
 
 class ConnectionOptions(TypedDict, total=False):
-    """Of a connection."""
+    """Keywords of a connection."""
     server: Optional[_Names]
     threads: Optional[_Integer]
     tls: Optional[bool]
@@ -77,10 +77,10 @@ class ConnectionOptions(TypedDict, total=False):
     token_file: Optional[_Path]
 
 class ClientOptions(ConnectionOptions, CallOptions, total=False):
-    """Of a client."""
+    """Keywords of a client."""
 
 class ClientCallOptions(RequestOptions, CallOptions, total=False):
-    """Of the calls of a client."""
+    """Keywords of the calls of a client."""
 
 class AllOptions(RequestOptions, CallOptions, ConnectionOptions, total=False):
-    """Of calls without a client."""
+    """Keywords of calls without a client."""

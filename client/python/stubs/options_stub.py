@@ -37,12 +37,12 @@ NUMBERS = re.compile(r"\w+(,\w+)+|a1,a2,a3,b1,...,c3")  # X,Y,Z
 WORDS = re.compile(r"[a-z0-9-]+(\|[a-z0-9-]+)+")  # cartesian|bcc
 
 CLASSES = {
-    "RequestOptions": ("", "Of a request.", "request"),
-    "CallOptions": ("", "Of a call, besides its request.", "call"),
-    "ConnectionOptions": ("", "Of a connection.", "connection"),
-    "ClientOptions": ("ConnectionOptions, CallOptions", "Of a client.", None),
-    "ClientCallOptions": ("RequestOptions, CallOptions", "Of the calls of a client.", None),
-    "AllOptions": ("RequestOptions, CallOptions, ConnectionOptions", "Of calls without a client.", None),
+    "RequestOptions": ("", "Keywords of a request.", "request"),
+    "CallOptions": ("", "Keywords of a call, besides its request.", "call"),
+    "ConnectionOptions": ("", "Keywords of a connection.", "connection"),
+    "ClientOptions": ("ConnectionOptions, CallOptions", "Keywords of a client.", None),
+    "ClientCallOptions": ("RequestOptions, CallOptions", "Keywords of the calls of a client.", None),
+    "AllOptions": ("RequestOptions, CallOptions, ConnectionOptions", "Keywords of calls without a client.", None),
 }
 
 

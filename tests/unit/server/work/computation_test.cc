@@ -1,19 +1,16 @@
-// A call's steps, without a channel: uploads, computations, and the messages that bricks are filled into.
+// The steps of a call's computation, without a channel.
 #include "server/work/computation.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <future>
-#include <optional>
 #include <string>
 #include <thread>
 #include <utility>
 #include <vector>
 
-#include "absl/time/clock.h"
 #include "server/base/errors.h"
-#include "server/wire/brick_batch.h"
 #include "server/wire/convert.h"
 #include "server/work/mesh_upload.h"
 #include "tests/unit/server/environment.h"
@@ -22,103 +19,6 @@
 
 namespace latvox {
 namespace {
-
-TileBricks Tile(int32_t i, size_t bricks, double progress) {
-  TileBricks tile;
-  tile.tile_ijk = {i, 0, 0};
-  for (size_t n = 0; n < bricks; ++n) {
-    Brick brick{{8 * i, -1, static_cast<int32_t>(n)}, {}};
-    brick.mask[n % 8] = 0x0123456789abcdef + n;
-    tile.bricks.push_back(brick);
-  }
-  tile.progress = progress;
-  return tile;
-}
-
-TEST(BrickBatcher, WritesCoordinatesAndMasksInTheContractsForm) {
-  BrickBatcher batcher(BrickEncoding::kMasks);
-  EXPECT_TRUE(batcher.empty());
-  batcher.Add(Tile(-2, 3, 0.5));
-  EXPECT_FALSE(batcher.empty());
-  const v1::BrickBatch batch = batcher.Release();
-  EXPECT_TRUE(batcher.empty());
-  EXPECT_THAT(batch.brick_ijk(), ::testing::ElementsAre(-16, -1, 0, -16, -1, 1, -16, -1, 2));
-  ASSERT_EQ(batch.masks().size(), 3 * 64);
-  const std::string second = batch.masks().substr(64 + 8, 8);
-  EXPECT_EQ(second, std::string("\xf0\xcd\xab\x89\x67\x45\x23\x01", 8));
-  EXPECT_EQ(batch.progress(), 0.5);
-}
-
-TEST(BrickBatcher, FillsMessagesOfAQuarterToOneMebibyteAfterThreeSmallOnes) {
-  BrickBatcher batcher(BrickEncoding::kMasks);
-  int batches = 0;
-  for (int n = 0; n < 200; ++n) {
-    batcher.Add(Tile(n, 512, n / 200.0));
-    if (!batcher.full()) continue;
-    const size_t bytes = batcher.Release().ByteSizeLong();
-    EXPECT_GE(bytes, batches < 3 ? (64 << 10) << batches : 256 << 10);
-    EXPECT_LE(bytes, batches < 3 ? (128 << 10) << batches : 1 << 20);
-    ++batches;
-  }
-  EXPECT_GT(batches, 5);
-}
-
-TEST(BrickBatcher, NeverTakesProgressBack) {
-  BrickBatcher batcher(BrickEncoding::kMasks);
-  double last = 0;
-  for (const double progress : {0.3, 0.2, 0.9, 0.1, 1.5, 0.4}) {
-    batcher.Add(Tile(0, 1, progress));
-    const double told = batcher.Release().progress();
-    EXPECT_GE(told, last);
-    EXPECT_LE(told, 1);
-    last = told;
-  }
-}
-
-TEST(MeshUpload, HandsOverPiecesOfAnySizeInOrder) {
-  std::string all;
-  for (const size_t piece : {1u, 70000u, 5u, 65536u, 0u, 3u, 200000u}) {
-    MeshUpload upload(0, 1 << 30);
-    all.clear();
-    for (int n = 0; n < 20; ++n) {
-      std::string bytes(n % 3 == 0 ? piece : 10, static_cast<char>('a' + n));
-      all += bytes;
-      ASSERT_TRUE(upload.Append(std::move(bytes)).ok());
-    }
-    EXPECT_EQ(upload.size(), all.size());
-    EXPECT_EQ(std::string(std::move(upload).Release()), all);
-  }
-}
-
-TEST(MeshUpload, HoldsTheLengthAgainstLimitAndDeclaration) {
-  MeshUpload limited(0, 10);
-  EXPECT_TRUE(limited.Append("0123456789").ok());
-  EXPECT_TRUE(limited.CheckComplete().ok());
-  const absl::Status over = limited.Append("x");
-  EXPECT_EQ(over.code(), absl::StatusCode::kResourceExhausted);
-  EXPECT_EQ(over.message(), "mesh_bytes 11 exceeds 10");
-
-  MeshUpload declared(5, 10);
-  EXPECT_TRUE(declared.Append("0123").ok());
-  EXPECT_EQ(declared.CheckComplete().message(), "mesh_bytes 5 was declared, but only 4 bytes came");
-  EXPECT_TRUE(declared.Append("4").ok());
-  EXPECT_TRUE(declared.CheckComplete().ok());
-  EXPECT_EQ(declared.Append("5").message(), "mesh_bytes 5 was declared, but at least 6 bytes came");
-  EXPECT_EQ(MeshUpload(0, 10).CheckComplete().message(), "mesh: no bytes came");
-}
-
-TEST(MeshUpload, TakesTheTimeFromTheSpecificationToTheLastByte) {
-  MeshUpload upload(0, 10);
-  EXPECT_EQ(upload.milliseconds(), std::nullopt);
-  absl::SleepFor(absl::Milliseconds(5));
-  EXPECT_TRUE(upload.Append("x").ok());
-  const double one_piece = upload.milliseconds().value();
-  EXPECT_GE(one_piece, 5);
-  absl::SleepFor(absl::Milliseconds(5));
-  EXPECT_EQ(upload.milliseconds(), one_piece);
-  EXPECT_TRUE(upload.Append("y").ok());
-  EXPECT_GE(upload.milliseconds().value(), one_piece + 5);
-}
 
 v1::VoxelizeSpec GoodSpec() {
   v1::VoxelizeSpec spec;
