@@ -46,11 +46,14 @@ void AppendWords(std::initializer_list<uint32_t> words, std::string& out) {
 
 // Returns the linear color of red << 16 | green << 8 | blue in sRGB.
 Rgba LinearOf(uint32_t color) {
-  Rgba linear{0, 0, 0, UINT16_MAX};
-  for (size_t m = 0; m < 3; ++m) {
-    linear[m] = static_cast<uint16_t>(std::lround(ToLinear(static_cast<uint8_t>(color >> (16 - 8 * m))) * UINT16_MAX));
-  }
-  return linear;
+  static const auto kOfBytes = [] {
+    std::array<uint16_t, 256> linear;
+    for (size_t n = 0; n < 256; ++n) {
+      linear[n] = static_cast<uint16_t>(std::lround(ToLinear(static_cast<uint8_t>(n)) * UINT16_MAX));
+    }
+    return linear;
+  }();
+  return {kOfBytes[color >> 16 & 255], kOfBytes[color >> 8 & 255], kOfBytes[color & 255], UINT16_MAX};
 }
 
 // The triangles of the facets that have no voxel behind them. They are made again for each part of the file, so memory

@@ -18,8 +18,7 @@ inline constexpr uint64_t kMaxPageVoxels = 4'000'000;
 //   data     JSON, see below
 //   bricks   base64: brick_ijk and mask of each brick, 76 bytes, little-endian
 //   colors   base64: for each of the paints, red, green and blue of each voxel
-//   values   base64: for each of the paints with uint32 or float32, the value of each voxel, 4 bytes a
-//            component
+//   values   base64: for each of the paints with uint32 or float32, the value of each voxel, 4 bytes a component
 //
 // Fields of the JSON:
 //
@@ -30,9 +29,8 @@ inline constexpr uint64_t kMaxPageVoxels = 4'000'000;
 //   basis, middle     a voxel is drawn at basis * (ijk - low - middle); the shape lies within 1 of 0, and y is up
 //   axes              directions of the world's axes in this frame
 //   facets            of a cell: normal, corners relative to its center, and step to the neighbor behind it
-//   paints            choices of colors: name, legend, whether the legend is a ramp, type of the values: rgb (the
-//   colors
-//                     themselves), none, uint32 or float32, and their components; the first is the default
+//   paints            choices of colors: name, legend, whether the legend is a ramp, type of the values, and their
+//                     components; the first is the default. Types: rgb (the colors themselves), none, uint32, float32
 //   band              whether these are the voxels of a band
 //
 // Errors: RESOURCE_EXHAUSTED:
