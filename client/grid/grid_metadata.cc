@@ -78,6 +78,7 @@ void Describe(const Certificate& certificate, openvdb::GridBase& grid) {
     Insert(grid, "latvox_interior_rule", solid->rule);
     grid.insertMeta("latvox_unbalanced_lines", openvdb::Int64Metadata(static_cast<int64_t>(solid->unbalanced_lines)));
   }
+  if (!certificate.interior_rule.empty()) Insert(grid, "latvox_interior_rule", certificate.interior_rule);
   if (const auto& walk = certificate.walk) {
     grid.insertMeta("latvox_cavities", openvdb::Int64Metadata(static_cast<int64_t>(walk->cavities)));
   }

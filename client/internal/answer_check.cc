@@ -305,6 +305,13 @@ absl::Status AnswerCheck::CheckSet(const Certificate& certificate) const {
   if (certificate.walk && certificate.walk->labels.empty() == has_labels) {
     return Broken("a certificate ", has_labels ? "without" : "with", " the walks of labels");
   }
+  const std::string& rule = certificate.interior_rule;
+  if (rule.empty() == NeedsInteriorRule(request_)) {
+    return Broken("a certificate ", rule.empty() ? "without" : "with", " a rule for the inside");
+  }
+  if (request_.interior_rule != InteriorRule::kAuto && rule != NameOf(request_.interior_rule)) {
+    return Broken("the rule ", rule, " for the inside instead of ", NameOf(request_.interior_rule));
+  }
   if (certificate.band && certificate.band->width != BandWidth(*band, accepted_->grid)) {
     return Broken("a band of ", certificate.band->width, " instead of ", BandWidth(*band, accepted_->grid));
   }

@@ -209,7 +209,8 @@ Certificate FromProto(const v1::Certificate& certificate) {
           .fraction_n = certificate.fraction_n(),
           .fraction_labels = {certificate.fraction_labels().begin(), certificate.fraction_labels().end()},
           .whole_minimal = certificate.whole_minimal(),
-          .walk = certificate.has_walk() ? std::optional(FromProto(certificate.walk())) : std::nullopt};
+          .walk = certificate.has_walk() ? std::optional(FromProto(certificate.walk())) : std::nullopt,
+          .interior_rule = certificate.interior_rule()};
 }
 
 v1::RawMesh ToProto(const RawMeshLayout& layout) {
@@ -261,6 +262,7 @@ v1::VoxelizeSpec ToProto(const VoxelizeRequest& request, const MeshId& mesh, con
   }
   for (const Field field : request.fields) spec.add_fields(ToProto(field));
   spec.set_signed_distance(request.signed_distance);
+  spec.set_interior_rule(ToProto(request.interior_rule));
   spec.set_fraction_n(request.fraction_n);
   spec.mutable_fraction_labels()->Assign(request.fraction_labels.begin(), request.fraction_labels.end());
   if (request.raw_mesh) *spec.mutable_raw_mesh() = ToProto(*request.raw_mesh);

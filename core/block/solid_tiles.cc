@@ -18,10 +18,6 @@
 namespace latvox {
 namespace {
 
-std::string WithoutOrientation(bool closed, InteriorRule rule) {
-  return closed ? absl::StrFormat(" with one orientation, as the rule %s asks", NameOf(rule)) : "";
-}
-
 // Returns the end of the error of a mesh, or of a label, without an inside.
 //   lines   "lattice lines", or those of a label
 //   more    further facts
@@ -37,12 +33,16 @@ BitsLayout LayoutOf(const Vec3i& tile_ijk) { return {tile_ijk * kTileSide, {}}; 
 
 }  // namespace
 
+std::string WithoutOrientation(bool closed, InteriorRule rule) {
+  return closed ? absl::StrFormat(" with one orientation, as the rule %s asks", NameOf(rule)) : "";
+}
+
 // A closed mesh is balanced on every line. For another mesh, all lines must be checked.
 absl::StatusOr<std::unique_ptr<const Interior>> MakeInterior(const SnappedMesh& mesh, const Solid& solid, bool closed,
                                                              const IndexBox& region, StopSignal stop,
                                                              InteriorRule& rule, uint64_t& unbalanced_lines) {
   const bool oriented = solid.rule != InteriorRule::kParity && IsOriented(mesh, stop);
-  rule = solid.rule != InteriorRule::kAuto ? solid.rule : oriented ? InteriorRule::kWinding : InteriorRule::kParity;
+  rule = RuleFor(solid.rule, oriented);
   const bool has_inside = rule == InteriorRule::kParity ? closed : oriented;
   unbalanced_lines = has_inside ? 0 : CountUnbalancedLines(mesh, rule, stop);
   if (!has_inside && !solid.force_open && !stop.Stopped()) {

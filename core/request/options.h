@@ -47,6 +47,7 @@ struct VoxelizeOptions {
   SetOption set = SeparatingSurface{};               // which lattice points
   FieldList fields = {};                             // what each of them carries
   bool signed_distance = false;                      // distances are negative inside; needs Field::kDistance
+  InteriorRule interior_rule = InteriorRule::kAuto;  // of signs, fields of cells, and sides of links; not for a solid
   uint32_t fraction_n = 0;                           // points along each axis; needs a field of cells
   std::vector<uint32_t> fraction_labels = {};        // of Field::kLabelFractions; none: all of the mesh, ascending
   bool verify = false;                               // count tunnels and redundant voxels of the finished set

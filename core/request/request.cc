@@ -41,6 +41,11 @@ PointSet SetOf(const VoxelizeOptions& options) {
   return surface;
 }
 
+InteriorRule RuleOf(const VoxelizeOptions& options) {
+  const Solid* const solid = std::get_if<Solid>(&options.set);
+  return solid != nullptr ? solid->rule : options.interior_rule;
+}
+
 }  // namespace
 
 const Solid* VoxelRequest::solid() const {
@@ -87,6 +92,11 @@ bool VoxelRequest::has_surface() const {
   return surface() != nullptr && (solid() == nullptr || solid()->surface != SolidSurface::kNone);
 }
 
+bool VoxelRequest::needs_inside() const {
+  return solid() != nullptr || signed_distance || !fields.OfCells().empty() ||
+         (links() != nullptr && links()->side != LinkSide::kBoth);
+}
+
 std::string_view NameOfSet(const VoxelRequest& request) {
   if (request.band() != nullptr) return "band";
   if (const WalkSet* walk = request.walk()) {
@@ -103,6 +113,7 @@ absl::StatusOr<VoxelRequest> MakeRequest(const VoxelizeOptions& options) {
                       SetOf(options),
                       options.fields,
                       options.signed_distance,
+                      RuleOf(options),
                       options.fraction_n,
                       options.fraction_labels,
                       {options.region, options.bounds, options.shard, options.resume_after},

@@ -70,8 +70,9 @@ struct VoxelRequest {
   int separability = 0;  // k: 0, 1 or 2
   PointSet set = SurfaceSet{};
   FieldList fields = {};
-  bool signed_distance = false;                // distances are negative inside
-  uint32_t fraction_n = 0;                     // a fraction counts this many points along each axis
+  bool signed_distance = false;                      // distances are negative inside
+  InteriorRule interior_rule = InteriorRule::kAuto;  // for a solid, its own
+  uint32_t fraction_n = 0;                           // a fraction counts this many points along each axis
   std::vector<uint32_t> fraction_labels = {};  // with Field::kLabelFractions; none: all labels of the mesh, ascending
   Part part = {};
   bool verify = false;  // count tunnels and redundant voxels of the finished set
@@ -93,6 +94,8 @@ struct VoxelRequest {
   bool is_minimal() const;
   // Whether voxels of the surface belong to the set.
   bool has_surface() const;
+  // Whether set or fields depend on the inside of the mesh.
+  bool needs_inside() const;
   // Whether the set fills space: a solid, or one that a walk decides.
   bool is_filled() const { return solid() != nullptr || walk() != nullptr; }
 };

@@ -85,6 +85,19 @@ Found CheckSignedDistance(const VoxelizeOptions& options) {
   return Breach{"signed_distance", "signed_distance true: needs distance among fields", "true"};
 }
 
+// An exclusion speaks about a solid.
+Found CheckInteriorRule(const VoxelizeOptions& options) {
+  if (options.interior_rule == InteriorRule::kAuto || std::holds_alternative<Solid>(options.set)) return std::nullopt;
+  const Links* const links = std::get_if<Links>(&options.set);
+  const bool has_side = links != nullptr && links->side != LinkSide::kBoth;
+  if (has_side || options.signed_distance || !options.fields.OfCells().empty()) return std::nullopt;
+  const std::string rule{NameOf(options.interior_rule)};
+  return Breach{
+      "interior_rule",
+      absl::StrCat("interior_rule ", rule, ": needs signed_distance, fraction among fields, or one side of links"),
+      rule};
+}
+
 Found CheckFraction(const VoxelizeOptions& options) {
   const uint32_t n = options.fraction_n;
   if (options.fields.OfCells().empty()) {
@@ -172,6 +185,7 @@ constexpr std::array kValueRules{
     ValueRule{"enclosed", CheckEnclosed},
     ValueRule{"connected", CheckConnected},
     ValueRule{"signed_distance", CheckSignedDistance},
+    ValueRule{"interior_rule", CheckInteriorRule},
     ValueRule{"fraction_n", CheckFraction},
     ValueRule{"solid.labels", CheckLabels<Solid>},
     ValueRule{"solid.priority", CheckPriority<Solid>},
@@ -218,6 +232,9 @@ constexpr std::array kOptions{
     Option{"fraction", "fields", "fraction or label_fractions among `fields`",
            [](const O& o) { return !o.fields.OfCells().empty(); },
            [](const O& o) -> std::string { return NameOf(*o.fields.OfCells().begin()); }},
+    Option{"rule of fields", "interior_rule", "`interior_rule`",
+           [](const O& o) { return o.interior_rule != InteriorRule::kAuto; },
+           [](const O& o) { return std::string{NameOf(o.interior_rule)}; }},
     Option{"open solid", "solid.force_open", "`solid.force_open`",
            [](const O& o) { return Is<Solid>(o) && std::get<Solid>(o.set).force_open; },
            [](const O&) -> std::string { return "true"; }},
@@ -252,6 +269,7 @@ constexpr std::array kExclusions{
     Exclusion{"verify", "enclosed"},
     Exclusion{"verify", "connected"},
     Exclusion{"verify", "links"},
+    Exclusion{"rule of fields", "solid", ", which has a rule of its own"},
     Exclusion{"fraction", "open solid", ", which fills a mesh that is not closed"},
 };
 

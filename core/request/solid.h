@@ -26,6 +26,11 @@ constexpr std::string_view NameOf(InteriorRule rule) {
   return kNames[static_cast<size_t>(rule)];
 }
 
+// Returns the rule for a mesh, or for one whose labels are all oriented.
+constexpr InteriorRule RuleFor(InteriorRule rule, bool oriented) {
+  return rule != InteriorRule::kAuto ? rule : oriented ? InteriorRule::kWinding : InteriorRule::kParity;
+}
+
 // Precondition: the rule is not kAuto.
 constexpr bool IsInside(InteriorRule rule, int32_t sum) {
   return rule == InteriorRule::kParity ? (sum & 1) != 0 : rule == InteriorRule::kPositive ? sum > 0 : sum != 0;

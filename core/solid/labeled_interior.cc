@@ -43,9 +43,7 @@ LabelBalance BalanceOfLabels(const SnappedMesh& mesh, const Labels& labels, cons
     }
   });
   const bool oriented = std::ranges::all_of(balances, &PartBalance::oriented);
-  LabelBalance sum{solid.rule != InteriorRule::kAuto ? solid.rule
-                   : oriented                        ? InteriorRule::kWinding
-                                                     : InteriorRule::kParity};
+  LabelBalance sum{RuleFor(solid.rule, oriented)};
   size_t first = count;
   for (size_t n = 0; n < count && !stop.Stopped(); ++n) {
     if (sum.rule == InteriorRule::kParity ? balances[n].closed : balances[n].oriented) continue;

@@ -94,14 +94,14 @@ absl::Status ExactJob::Prepare() {
 }
 
 absl::Status ExactJob::PrepareInterior() {
-  if (prepared_.interior || (!plan_->solid && !plan_->NeedsParity())) return absl::OkStatus();
+  if (prepared_.interior || !plan_->needs_inside) return absl::OkStatus();
   const CpuMeter::Scope scope(cpu_);
-  if (!plan_->solid) {  // the mesh is closed
+  JobFacts& facts = plan_->facts;
+  if (!plan_->solid) {  // the mesh has an inside
     prepared_.interior =
-        MakeClosedInterior(plan_->input.mesh, InteriorRule::kParity, plan_->input.region, stop_.Signal());
+        MakeClosedInterior(plan_->input.mesh, facts.interior_rule, plan_->input.region, stop_.Signal());
     return stop_.Stopped() ? absl::CancelledError("voxelization cancelled") : absl::OkStatus();
   }
-  JobFacts& facts = plan_->facts;
   const SnappedMesh& mesh = plan_->input.mesh;
   auto interior = plan_->labels ? MakeLabeledInterior(mesh, *plan_->labels, *plan_->solid, plan_->input.region,
                                                       stop_.Signal(), facts.interior_rule, facts.unbalanced_lines)
@@ -119,7 +119,7 @@ absl::Status ExactJob::PrepareFiner() {
   const CpuMeter::Scope scope(cpu_);
   const SnappedMesh& mesh = plan_->finer->mesh;
   const IndexBox points = FinerPointsOf(*plan_->input.fields->cell, *plan_->finer, plan_->input.region);
-  const InteriorRule rule = plan_->solid ? plan_->facts.interior_rule : InteriorRule::kParity;
+  const InteriorRule rule = plan_->facts.interior_rule;
   auto finer = plan_->solid && plan_->labels
                    ? MakeClosedLabeledInterior(mesh, *plan_->labels, rule, points, stop_.Signal())
                    : MakeClosedInterior(mesh, rule, points, stop_.Signal());

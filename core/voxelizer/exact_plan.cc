@@ -6,6 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/block/fraction_tiles.h"
 #include "core/block/solid_tiles.h"
+#include "core/solid/balance.h"
 #include "core/tiny/fine_pass.h"
 #include "core/tiny/fineness.h"
 #include "core/triangles/surface_facts.h"
@@ -45,22 +46,19 @@ Vec3i MarginOfLinks(const ExactPlan& plan) {
   return margin;
 }
 
-// Whether tiles need to know on which side of the mesh their voxels are.
-bool NeedsSides(const ExactPlan& plan) { return plan.solid || plan.NeedsParity(); }
-
 // Whether a walk keeps out of all points near the mesh.
 bool ClosesHoles(const ExactPlan& plan) { return plan.input.walk && plan.input.walk->close; }
 
 // Whether tiles need to know tiny triangles, although their links are known. A tile of links may hold only farther ends
 // of these, so without the triangles, the tree would leave it out.
 bool NeedsTiny(const ExactPlan& plan) {
-  return NeedsSides(plan) || plan.link_ends || plan.HasLinkFields() || ClosesHoles(plan) || plan.NeedsNearTriangles();
+  return plan.needs_inside || plan.link_ends || plan.HasLinkFields() || ClosesHoles(plan) || plan.NeedsNearTriangles();
 }
 
 // The sides need the crossings of lines along an axis, a fraction also those of lines between lattice points, and
 // distances need all triangles.
 bool NeedsAllTriangles(const ExactPlan& plan) {
-  return plan.HasFraction() || (NeedsSides(plan) && !HasAxes(plan.input.frames)) || ClosesHoles(plan) ||
+  return plan.HasFraction() || (plan.needs_inside && !HasAxes(plan.input.frames)) || ClosesHoles(plan) ||
          plan.NeedsNearTriangles();
 }
 
@@ -92,9 +90,23 @@ absl::Status AddFinerMesh(ExactPlan& plan, StopSignal creation) {
   return absl::OkStatus();
 }
 
-const char* WhatNeedsAClosedMesh(const ExactPlan& plan) {
+const char* WhatNeedsAnInside(const ExactPlan& plan) {
   if (plan.input.fields && plan.input.fields->is_signed) return "signed distances ask for";
   return plan.HasFraction() ? "a fraction asks for" : "a side of links asks for";
+}
+
+// Decides on the rule for the inside, unless the set is a solid, which may be open.
+absl::Status SetRule(InteriorRule asked, const SurfaceFacts& surface, StopSignal creation, ExactPlan& plan) {
+  if (!plan.needs_inside || plan.solid) return absl::OkStatus();
+  const bool oriented = asked != InteriorRule::kParity && IsOriented(plan.input.mesh, creation);
+  if (creation.Stopped()) return absl::CancelledError("voxelization cancelled");
+  const InteriorRule rule = RuleFor(asked, oriented);
+  if (rule == InteriorRule::kParity ? !surface.closed : !oriented) {
+    return absl::InvalidArgumentError(absl::StrCat("mesh: it is not closed", WithoutOrientation(surface.closed, rule),
+                                                   ", which ", WhatNeedsAnInside(plan)));
+  }
+  plan.facts.interior_rule = rule;
+  return absl::OkStatus();
 }
 
 }  // namespace
@@ -108,6 +120,7 @@ absl::StatusOr<std::unique_ptr<ExactPlan>> MakeExactPlan(ExactInput asked, const
   if (request.solid() != nullptr) plan->solid = *request.solid();
   if (request.links() != nullptr) plan->link_ends = *request.links();
   plan->minimal = request.is_minimal();
+  plan->needs_inside = request.needs_inside();
   if (input.walk) plan->overlap = input.walk->steps.reach + input.walk->steps.slack;
   plan->links = std::make_unique<TileLinks>(Shifted(input.mesh.box.min, kTileBits), MarginOfLinks(*plan));
   SetMargins(*plan);
@@ -138,9 +151,7 @@ absl::StatusOr<std::unique_ptr<ExactPlan>> MakeExactPlan(ExactInput asked, const
   plan->shard = request.part.shard.value_or(Shard{});
   plan->span = SpanOf(request.part, input.mesh, input.frames, input.region, input.bounds, creation);
   if (creation.Stopped()) return absl::CancelledError("voxelization cancelled");
-  if (plan->NeedsParity() && !surface.closed) {
-    return absl::InvalidArgumentError(absl::StrCat("mesh: it is not closed, which ", WhatNeedsAClosedMesh(*plan)));
-  }
+  if (absl::Status status = SetRule(request.interior_rule, surface, creation, *plan); !status.ok()) return status;
   return plan;
 }
 

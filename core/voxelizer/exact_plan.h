@@ -56,6 +56,7 @@ struct ExactPlan {
   std::optional<Labels> labels;               // of a labeled set
   std::optional<Links> link_ends;             // a set of these
   bool minimal = false;                       // whether to thin
+  bool needs_inside = false;                  // whether tiles need to know on which side of the mesh their voxels are
   Vec3i reach{}, overlap{};                   // see TileContext
   Vec3i near_margin{}, far_margin{};          // of the tree, see TileTree
   bool has_large_tiles = false;               // of megabytes each
@@ -93,19 +94,13 @@ struct ExactPlan {
   bool NeedsNearTriangles() const { return input.fields && input.fields->near_reach; }
 
   // Whether fields need the triangles that a tile's node lists.
-  bool FieldsNeedTriangles() const { return HasLinkFields() || HasFraction() || NeedsNearTriangles() || NeedsParity(); }
-
-  // The rule for the inside, if tiles need to know on which side of the mesh their voxels are, and the set is no solid.
-  bool NeedsParity() const {
-    return !solid && ((input.fields && input.fields->is_signed) || HasFraction() ||
-                      (link_ends && link_ends->side != LinkSide::kBoth));
-  }
+  bool FieldsNeedTriangles() const { return HasLinkFields() || HasFraction() || NeedsNearTriangles() || needs_inside; }
 };
 
 // For a fine mesh, one pass finds the facts and the crossings of tiny triangles.
 //   creation   stops this function, not the job
-// Errors: INVALID_ARGUMENT if the mesh is not closed, and ExactPlan::NeedsParity; those of MakeLabels and
-// MakeFinerMesh; CANCELLED.
+// Errors: INVALID_ARGUMENT if the set is no solid, ExactPlan::needs_inside, and the mesh has no inside; those of
+// MakeLabels and MakeFinerMesh; CANCELLED.
 absl::StatusOr<std::unique_ptr<ExactPlan>> MakeExactPlan(ExactInput input, const VoxelRequest& request,
                                                          StopSignal creation);
 

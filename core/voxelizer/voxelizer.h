@@ -28,11 +28,12 @@ struct JobFacts {
   bool cut_by_bounds = false;                        // part.bounds may leave out voxels of the whole
   uint64_t tiles_in_box = 0;                         // 64^3 tiles that meet index_box
   Vec3i first_tile_ijk{};                            // of the canonical order (core/brick/tile_order.h)
-  InteriorRule interior_rule = InteriorRule::kAuto;  // for a solid, once prepared: never kAuto
-  uint64_t unbalanced_lines = 0;                     // for a solid, once prepared: see CountUnbalancedLines
-  double band_width = 0;                             // world units; 0: there is no band
-  std::optional<WalkFacts> walk = std::nullopt;      // for a set that a walk decides, once prepared
-  std::vector<uint32_t> fraction_labels = {};        // those of Field::kLabelFractions
+  // Where set or fields depend on the inside: the rule, never kAuto; for a solid, once prepared.
+  InteriorRule interior_rule = InteriorRule::kAuto;
+  uint64_t unbalanced_lines = 0;                 // for a solid, once prepared: see CountUnbalancedLines
+  double band_width = 0;                         // world units; 0: there is no band
+  std::optional<WalkFacts> walk = std::nullopt;  // for a set that a walk decides, once prepared
+  std::vector<uint32_t> fraction_labels = {};    // those of Field::kLabelFractions
 
   // Whether the tile meets index_box.
   bool HasTile(const Vec3i& tile_ijk) const;

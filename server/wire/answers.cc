@@ -146,6 +146,9 @@ v1::Certificate CertificateToProto(const JobSpec& spec, const JobFacts& facts, c
     certificate.mutable_solid()->set_rule(std::string{NameOf(facts.interior_rule)});
     certificate.mutable_solid()->set_unbalanced_lines(facts.unbalanced_lines);
   }
+  if (request.needs_inside() && request.solid() == nullptr) {
+    certificate.set_interior_rule(std::string{NameOf(facts.interior_rule)});
+  }
   if (facts.walk) WalkToProto(*facts.walk, *certificate.mutable_walk());
   if (request.band() != nullptr) certificate.mutable_band()->set_width(facts.band_width);
   FieldsToProto(request.fields, totals, certificate);

@@ -167,6 +167,8 @@ absl::StatusOr<VoxelRequest> RequestFromProto(const v1::VoxelizeSpec& spec) {
   status.Update(Assign(SetFromProto(spec), options.set));
   status.Update(Assign(FieldsFromProto(spec.fields(), "fields"), options.fields));
   options.signed_distance = spec.signed_distance();
+  status.Update(
+      Assign(Meaning(kInteriorRuleNumbers, spec.interior_rule(), "interior_rule", "a rule"), options.interior_rule));
   options.fraction_n = spec.fraction_n();
   options.fraction_labels.assign(spec.fraction_labels().begin(), spec.fraction_labels().end());
   if (!status.ok()) return status;

@@ -112,7 +112,7 @@ uint64_t JobMemory::BytesOf(uint64_t triangles, uint64_t vertices) const {
 
 // More for a job that finds the inside.
 uint64_t JobMemory::BytesOfSolid(double line_crossings) const {
-  if (request_.solid() == nullptr && !request_.signed_distance && request_.fraction_n == 0) return 0;
+  if (!request_.needs_inside()) return 0;
   if (request_.solid() == nullptr || !request_.labels())
     return threads_ * kSolidThreadBytes + ToBytes(line_crossings * kBytesPerLineCrossing);
   return threads_ * (kSolidThreadBytes + kLabelThreadBytes) + ToBytes(line_crossings * kBytesPerLabeledCrossing);

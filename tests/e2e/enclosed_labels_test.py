@@ -90,6 +90,8 @@ class EnclosedLabels(Case):
         labels = {of["label"]: of for of in report["certificate"]["walk"]["labels"]}
         self.assertEqual(sorted(labels), [0, 1, 2])
         self.assertEqual(labels[2]["cavities"], 0)
+        cell = report["voxel_size"] ** 3
+        self.assertEqual([round(of["volume"] / cell) for of in labels.values()], [of["points"] for of in labels.values()])
         self.assertEqual(labels[2]["leak"]["kind"], "leak")
         self.assertEqual(labels[0]["leak"]["kind"], "enclosed")
 

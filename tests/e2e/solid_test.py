@@ -1,5 +1,6 @@
 """`--set solid` with the real tool: counts, refusals, the content of files, and parts that make the whole."""
 
+import csv
 import json
 import math
 import unittest
@@ -83,7 +84,7 @@ class Solids(Case):
         for words, says in (
             (("--verify", "--set", "solid"), "--verify: not together with --set solid"),
             (("--set", "solid", "--algorithm", "incremental"), "--set solid: not together with --algorithm incremental"),
-            (("--rule", "winding"), "--set solid"),
+            (("--rule", "winding"), "--rule: needs --set solid"),
             (("--force-open",), "--set solid"),
         ):
             done = latvox("voxelize", self.torus, "-o", self.dir / "out.csv", "--resolution", "20", *words)
@@ -151,6 +152,28 @@ class Solids(Case):
         united = self.voxelize(mesh, *solid)
         self.assertEqual((united["voxels"], united["certificate"]["rule"]), (12000, "positive"))
         self.assertEqual(self.voxelize(mesh, *solid, "--rule", "parity")["voxels"], 8000)
+
+    def test_other_sets_have_the_inside_of_the_solid_where_bodies_overlap(self):
+        mesh = write_obj(self.dir / "m.obj", joined(box((0, 0, 0), (10, 10, 10)), box((5, 0, 0), (15, 10, 10))))
+        grid = ("--voxel-size", "0.5", "--placement", "cells")
+        whole = self.voxelize(mesh, *grid, "--set", "interior")["voxels"]
+        for name, set, others in (
+            ("band", ("--band", "99v", "--fields", "distance,fraction:2", "--signed"), {"parity": 8000}),
+            ("enclosed", ("--set", "enclosed-interior", "--fields", "distance,fraction:2", "--signed"), {"parity": 8000}),
+        ):
+            for rule, inside in ({"auto": whole, "winding": whole, "positive": whole} | others).items():
+                with self.subTest(name, rule=rule):
+                    summary = self.voxelize(mesh, *grid, *set, "--rule", rule, out="a.csv")
+                    self.assertEqual(summary["certificate"]["rule"], "winding" if rule == "auto" else rule)
+                    with open(self.dir / "a.csv") as file:
+                        carried = list(csv.DictReader(file))
+                    self.assertEqual(sum(float(row["distance"]) < 0 for row in carried), inside)
+                    self.assertEqual(sum(int(row["fraction"]) for row in carried), 8 * inside)
+        outside = self.voxelize(mesh, *grid, "--set", "links", "--side", "outside")
+        parity = self.voxelize(mesh, *grid, "--set", "links", "--side", "outside", "--rule", "parity")
+        self.assertLess(outside["voxels"], parity["voxels"])
+        self.voxelize(mesh, *grid, "--band", "2v", "--signed", "--rule", "positive", out="a.vdb")
+        self.assertRegex(latvox("info", self.dir / "a.vdb").stdout, '"latvox_interior_rule": *"positive"')
 
     def test_cells_keep_a_plate_that_points_lose(self):
         plate = write_obj(self.dir / "plate.obj", box((0, 0, 0), (96, 0.8, 96)))

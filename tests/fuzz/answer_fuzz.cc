@@ -1,5 +1,5 @@
-// A foreign server's answers, as the SDK receives them: for a surface, for a band with its distances, and for a
-// solid with other fields.
+// A foreign server's answers, as the SDK receives them: for a surface, for a band with its distances, for a solid with
+// other fields, for links, and for enclosed sets.
 #include <cstdint>
 #include <cstring>
 
@@ -51,6 +51,16 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   request.fields = {Field::kLabelFractions};
   Receive(data, size, request);
   request.fraction_labels = {1, 0};
+  Receive(data, size, request);
+  request = {};
+  request.set = latvox::client::Links{};
+  request.fields = {Field::kLinks, Field::kLinkTriangles, Field::kLinkCrossings};
+  Receive(data, size, request);
+  request.set = latvox::client::Enclosed{.leak_from = latvox::client::Vec3d{1, 1, 1}};
+  request.fields = {};
+  Receive(data, size, request);
+  request.set = latvox::client::Enclosed{.labels = Field::kPart};
+  request.fields = {Field::kPart};
   Receive(data, size, request);
   return 0;
 }

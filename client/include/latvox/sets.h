@@ -38,7 +38,7 @@ enum class SolidSurface {
 // The ends of links that belong to a set.
 enum class LinkSide {
   kBoth,     // all ends
-  kInside,   // those inside of the mesh by parity; it must be closed
+  kInside,   // those inside of the mesh by VoxelizeRequest::interior_rule; it must be closed
   kOutside,  // those outside
 };
 

@@ -94,6 +94,9 @@ struct VoxelizeRequest {
   VoxelSet set = Surface{};                         // the lattice points to find
   std::vector<Field> fields = {};                   // carried by each of them, each once; the mesh must have its own
   bool signed_distance = false;                     // Field::kDistance is negative inside
+  // The rule for the inside, for signed_distance, Field::kFraction and one side of Links. A Solid has its own: leave
+  // kAuto then.
+  InteriorRule interior_rule = InteriorRule::kAuto;
   // For Field::kFraction and kLabelFractions: the number of points along each axis of a cell, 2 to 16. Otherwise 0.
   uint32_t fraction_n = 0;
   // For Field::kLabelFractions: the labels, each once, at most 32; none: all of the mesh, ascending.
@@ -105,6 +108,13 @@ struct VoxelizeRequest {
   // Connected, else kPoints.
   std::optional<Placement> placement = std::nullopt;
 };
+
+// Returns whether signs, fractions or one side of links depend on VoxelizeRequest::interior_rule.
+inline bool NeedsInteriorRule(const VoxelizeRequest& request) {
+  if (std::holds_alternative<Solid>(request.set)) return false;
+  const auto* const links = std::get_if<Links>(&request.set);
+  return request.signed_distance || request.fraction_n != 0 || (links != nullptr && links->side != LinkSide::kBoth);
+}
 
 // World positions of lattice coordinates: world = origin + i*a + j*b + k*c.
 struct GridTransform {
@@ -265,6 +275,9 @@ struct Certificate {
   std::vector<uint32_t> fraction_labels = {};      // as in Accepted
   bool whole_minimal = false;                      // `minimal` of the whole to which this part belongs
   std::optional<WalkFacts> walk = std::nullopt;    // for an enclosed set and a region
+  // The rule that was used for VoxelizeRequest::interior_rule: "parity", "winding" or "positive". Empty for a solid,
+  // and where nothing depends on the inside.
+  std::string interior_rule = {};
 };
 
 // Wall-clock milliseconds within the server; for a resumed call, within the last server.

@@ -108,6 +108,7 @@ Json RequestJson(const VoxelizeRequest& request) {
   if (const auto* links = std::get_if<Links>(&request.set)) json["side"] = NameOf(links->side);
   for (const Field field : request.fields) json["fields"].push_back(NameOf(field));
   if (request.signed_distance) json["signed"] = true;
+  if (NeedsInteriorRule(request)) json["rule"] = NameOf(request.interior_rule);
   if (request.fraction_n != 0) json["fraction_n"] = request.fraction_n;
   if (!request.fraction_labels.empty()) json["fraction_labels"] = request.fraction_labels;
   if (request.shard) json["shard"] = {request.shard->index, request.shard->count};

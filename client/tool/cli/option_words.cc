@@ -60,6 +60,7 @@ constexpr std::pair<absl::string_view, const char*> kOptions[] = {
     {"solid.labels", "--labels"},
     {"solid.priority", "--priority"},
     {"solid.rule", "--rule"},
+    {"interior_rule", "--rule"},
     {"verify", "--verify"},
     {"voxel_size", "--voxel-size"},
 };

@@ -1,6 +1,7 @@
 #include "client/tool/cli/report.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
@@ -39,18 +40,27 @@ Json LeakJson(const Leak& leak) {
   return json;
 }
 
-Json WalkJson(const WalkFacts& walk) {
-  Json json = {{"cavities", walk.cavities}, {"largest_cavities", walk.largest_cavities}};
+// Volumes are in cubic world units.
+//   cell   the volume of a voxel's cell
+Json WalkJson(const WalkFacts& walk, double cell) {
+  Json json = {
+      {"cavities", walk.cavities}, {"largest_cavities", walk.largest_cavities}, {"largest_volumes", Json::array()}};
+  for (const uint64_t points : walk.largest_cavities) {
+    json["largest_volumes"].push_back(static_cast<double>(points) * cell);
+  }
   if (walk.leak) json["leak"] = LeakJson(*walk.leak);
   for (const LabelWalk& of_label : walk.labels) {
-    Json facts = {{"label", of_label.label}, {"cavities", of_label.cavities}, {"points", of_label.points}};
+    Json facts = {{"label", of_label.label},
+                  {"cavities", of_label.cavities},
+                  {"points", of_label.points},
+                  {"volume", static_cast<double>(of_label.points) * cell}};
     if (of_label.leak) facts["leak"] = LeakJson(*of_label.leak);
     json["labels"].push_back(std::move(facts));
   }
   return json;
 }
 
-Json CertificateJson(const Certificate& certificate) {
+Json CertificateJson(const Certificate& certificate, double voxel_size) {
   Json json = {{"tunnels", certificate.verified ? Json(certificate.tunnels) : Json()},
                {"redundant", certificate.verified ? Json(certificate.redundant) : Json()},
                {"tunnel_free", certificate.tunnel_free},
@@ -67,7 +77,8 @@ Json CertificateJson(const Certificate& certificate) {
     json["rule"] = solid->rule;
     json["unbalanced_lines"] = solid->unbalanced_lines;
   }
-  if (certificate.walk) json["walk"] = WalkJson(*certificate.walk);
+  if (!certificate.interior_rule.empty()) json["rule"] = certificate.interior_rule;
+  if (certificate.walk) json["walk"] = WalkJson(*certificate.walk, std::pow(voxel_size, 3));
   return json;
 }
 
@@ -121,7 +132,9 @@ std::string SeparationText(const Certificate& certificate) {
 
 std::string FillText(const Certificate& certificate) {
   const auto& solid = certificate.solid;
-  if (!solid) return "";
+  if (!solid) {
+    return certificate.interior_rule.empty() ? "" : absl::StrCat("inside by ", certificate.interior_rule, "\n");
+  }
   std::string text =
       absl::StrCat("filled by ", solid->rule,
                    certificate.set == "interior" ? ", without the surface\n"
@@ -191,7 +204,7 @@ Json SummaryJson(const VoxelizeReport& report) {
                {"index_box", BoxJson(report.index_box)},
                {"separability", summary.certificate.separability},
                {"digest", summary.certificate.digest},
-               {"certificate", CertificateJson(summary.certificate)}};
+               {"certificate", CertificateJson(summary.certificate, report.accepted.grid.voxel_size)}};
   if (const auto& shard = summary.certificate.shard) json["shard"] = {{"index", shard->index}, {"count", shard->count}};
   if (const auto& band = summary.certificate.band) json["band"] = {{"width", band->width}};
   if (!summary.certificate.fields.empty()) json["fields"] = FieldsJson(summary.certificate, report.names);

@@ -137,6 +137,15 @@ InteriorRule RuleOf(const VoxelizeWords& words) {
   return all ? InteriorRule::kPositive : InteriorRule::kAuto;
 }
 
+// The rule for other sets than solids, which have their own.
+void InterpretRule(const VoxelizeWords& words, VoxelizeRequest& request) {
+  if (NeedsInteriorRule(request)) {
+    request.interior_rule = RuleOf(words);
+  } else if (!words.rule.empty() && !std::holds_alternative<Solid>(request.set)) {
+    Refuse("--rule: needs --set solid, supercover-solid or interior, or --signed, a fraction or one --side of links");
+  }
+}
+
 // A field of a triangle's number or place in its list is about the triangles as sent. Draco changes their order.
 void CheckOrder(const VoxelizeOptions& options) {
   for (const Field field : {Field::kTriangle, Field::kPoint, Field::kLinkTriangles}) {
@@ -199,7 +208,8 @@ std::vector<OptionRow> PointRows(VoxelizeWords& words) {
        .standard = "surface, unless --band is given"},
       {.names = "--rule",
        .target = &words.rule,
-       .help = "Rule for the interior; winding and positive unite bodies that overlap",
+       .help = "Rule for the inside: of a solid, of --signed, of a fraction, of one --side; winding and positive unite "
+               "bodies that overlap",
        .words = WordsOf(RuleNames()),
        .word_help = {"winding if the triangles are oriented alike, else parity",
                      "inside after an odd number of crossings", "inside where the mesh winds around",
@@ -354,7 +364,6 @@ VoxelSet InterpretSet(const VoxelizeWords& words) {
     Refuse(words.labels.empty() ? "--priority" : "--labels",
            ": needs --set solid, supercover-solid, interior, enclosed or enclosed-interior, not ", name);
   }
-  if (!words.rule.empty()) Refuse("--rule: needs --set solid, supercover-solid or interior, not ", name);
   if (words.force_open) Refuse("--force-open: needs --set solid, supercover-solid or interior, not ", name);
   return set;
 }
@@ -382,6 +391,7 @@ void InterpretFields(const VoxelizeWords& words, VoxelizeOptions& options) {
   for (const Field field : request.fields) {
     if (FactsOf(field).is_of_mesh) options.mesh.attributes.push_back(field);
   }
+  InterpretRule(words, request);
   CheckOrder(options);
   CheckHeld(options);
 }

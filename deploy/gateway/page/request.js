@@ -24,11 +24,14 @@ function latticeOf({ lattice, basis }) {
 
 const labelsOf = ({ labels }) => (labels === 'none' ? {} : { labels: `FIELD_${labels.toUpperCase()}` });
 
+const ruleOf = (name, { rule = 'auto' }) =>
+  rule === 'auto' ? {} : { [name]: `INTERIOR_RULE_${rule.toUpperCase()}` };
+
 const solid = (surface) => (settings) => ({
   solid: {
     surface: `SOLID_SURFACE_${surface}`,
     forceOpen: settings['force-open'] === 'yes',
-    ...(settings.rule === 'auto' ? {} : { rule: `INTERIOR_RULE_${settings.rule.toUpperCase()}` }),
+    ...ruleOf('rule', settings),
     ...labelsOf(settings),
   },
 });
@@ -54,6 +57,7 @@ const SETS = {
 // `fields`: names. `settings`: see settingsOf.
 export function specOf(settings, fields) {
   const { resolution, k = 0, verify, signed, 'fraction-n': fraction = 0 } = settings;
+  const set = SETS[settings.set](settings);
   return {
     lattice: latticeOf(settings),
     ...(resolution === '' ? {} : { resolution: Number(resolution) }),
@@ -62,7 +66,8 @@ export function specOf(settings, fields) {
     fields: fields.map((name) => `FIELD_${name.toUpperCase()}`),
     signedDistance: signed === 'yes',
     fractionN: Number(fraction),
-    ...SETS[settings.set](settings),
+    ...set,
+    ...(set.solid === undefined ? ruleOf('interiorRule', settings) : {}),
     encoding: 'BRICK_ENCODING_PACKED',
   };
 }

@@ -66,7 +66,15 @@ export const SETTINGS = {
   close: { check: number(0, Infinity), ...withSet(...WALKS) },
   'allow-outside': { check: ticked, ...withSet('region') },
   side: { check: oneOf(['both', 'inside', 'outside']), ...withSet('links') },
-  rule: { check: oneOf(['auto', 'parity', 'winding', 'positive']), ...withSet(...SOLIDS) },
+  rule: {
+    check: oneOf(['auto', 'parity', 'winding', 'positive']),
+    when: (texts) =>
+      SOLIDS.includes(texts.set) ||
+      (texts.set === 'links' && texts.side !== 'both') ||
+      (hasField(texts, ['distance']) && texts.signed === 'yes') ||
+      hasField(texts, CELL_FIELDS),
+    only: `with set ${SOLIDS.join(', ')}, with signed, with a fraction, or with one side of links`,
+  },
   labels: { check: oneOf(['none', 'part', 'material']), ...withSet(...SOLIDS, ...ENCLOSED) },
   'force-open': { check: ticked, ...withSet(...SOLIDS) },
   fields: { check: fields },

@@ -68,6 +68,7 @@ Answers AnswersWith(const Columns& columns) {
   certificate.set_set("band");
   certificate.mutable_band()->set_width(2);
   certificate.set_signed_distance(true);
+  certificate.set_interior_rule("winding");
   constexpr v1::Field kNumbers[] = {v1::FIELD_DISTANCE, v1::FIELD_COLOR, v1::FIELD_TRIANGLE};
   for (size_t n = 0; n < columns.size(); ++n) {
     answers.first.mutable_bricks()->add_fields()->set_values(columns[n].first);
@@ -187,11 +188,15 @@ TEST(FieldsCall, EveryWrongValueIsDataLossThatNamesIt) {
   certify([](v1::Certificate& c) { c.mutable_band()->set_width(3); }, "a band of 3 instead of 2");
   certify([](v1::Certificate& c) { c.set_set("surface"); }, "the set surface instead of band");
   certify([](v1::Certificate& c) { c.set_signed_distance(false); }, "distances without signs");
+  certify([](v1::Certificate& c) { c.clear_interior_rule(); }, "a certificate without a rule for the inside");
   certify([](v1::Certificate& c) { c.mutable_fields()->RemoveLast(); }, "other fields than were asked for");
   certify([](v1::Certificate& c) { c.mutable_fields(0)->set_field(v1::FIELD_PART); }, "other fields");
   VoxelizeRequest without_signs = AskedFor(), nothing = AskedFor();
   without_signs.signed_distance = false;
   breach(without_signs, AnswersWith(Good()), "a distance of -2 without signs");
+  VoxelizeRequest parity = AskedFor();
+  parity.interior_rule = InteriorRule::kParity;
+  breach(parity, AnswersWith(Good()), "the rule winding for the inside instead of parity");
   nothing.fields.clear();
   breach(nothing, AnswersWith(Good()), "a batch with 3 fields, not 0");
 }
@@ -211,6 +216,7 @@ TEST(FieldsCall, HaveANumberForEachNeighbor) {
     certificate.set_set("links");
     certificate.clear_band();
     certificate.set_signed_distance(false);
+    certificate.clear_interior_rule();
     constexpr v1::Field kNumbers[] = {v1::FIELD_LINKS, v1::FIELD_LINK_TRIANGLES, v1::FIELD_LINK_CROSSINGS};
     for (int n = 0; n < 3; ++n) certificate.mutable_fields(n)->set_field(kNumbers[n]);
     return answers;
@@ -285,6 +291,7 @@ TEST(FieldsCall, FractionsOfLabelsAreOfTheLabelsThatWereAskedFor) {
     certificate.set_set("solid");
     certificate.clear_band();
     certificate.set_signed_distance(false);
+    certificate.clear_interior_rule();
     certificate.mutable_fields(0)->set_field(v1::FIELD_LABEL_FRACTIONS);
     certificate.set_fraction_n(2);
     for (const uint32_t label : accepted) answers.accepted.mutable_accepted()->add_fraction_labels(label);

@@ -54,6 +54,23 @@ TEST(Rules, NameFieldValueAndLimitOfAValue) {
             (Words{"signed_distance true: needs distance among fields", "signed_distance", "true", ""}));
 }
 
+TEST(Rules, OfTheInsideAskForSomethingThatDependsOnIt) {
+  using Words = std::vector<std::string>;
+  constexpr InteriorRule kRule = InteriorRule::kParity;
+  const Words needless{"interior_rule parity: needs signed_distance, fraction among fields, or one side of links",
+                       "interior_rule", "parity", ""};
+  EXPECT_EQ(RefusalOf({.fields = {Field::kDistance}, .interior_rule = kRule}), needless);
+  EXPECT_EQ(RefusalOf({.set = Links{}, .interior_rule = kRule}), needless);
+  EXPECT_EQ(RefusalOf({.set = Solid{}, .interior_rule = kRule}),
+            (Words{"interior_rule parity: not together with solid, which has a rule of its own", "interior_rule",
+                   "parity", ""}));
+  const auto rule = [](const VoxelizeOptions& options) { return MakeRequest(options)->interior_rule; };
+  EXPECT_EQ(rule({.set = Links{LinkSide::kInside}, .interior_rule = kRule}), kRule);
+  EXPECT_EQ(rule({.fields = {Field::kDistance}, .signed_distance = true, .interior_rule = kRule}), kRule);
+  EXPECT_EQ(rule({.fields = {Field::kFraction}, .interior_rule = kRule, .fraction_n = 2}), kRule);
+  EXPECT_EQ(rule({.set = Solid{.rule = kRule}}), kRule);
+}
+
 TEST(Rules, OfFractionsAskForTheirFieldAndANumberOfPoints) {
   using Words = std::vector<std::string>;
   EXPECT_EQ(RefusalOf({.fields = {Field::kPart}, .fraction_n = 8}),

@@ -69,6 +69,10 @@ std::vector<BadSpecCase> BadValues() {
        "fraction_labels: needs label_fractions among fields", "fraction_labels"},
       {"no points", [](Spec& s) { s.add_fields(v1::FIELD_FRACTION); }, "fraction_n 0 is below 2", "fraction_n"},
       {"signs", [](Spec& s) { s.set_signed_distance(true); }, "needs distance among fields", "signed_distance"},
+      {"rule 4", [](Spec& s) { s.set_interior_rule(static_cast<v1::InteriorRule>(4)); },
+       "interior_rule 4 is not a rule", "interior_rule"},
+      {"rule of nothing", [](Spec& s) { s.set_interior_rule(v1::INTERIOR_RULE_PARITY); },
+       "interior_rule parity: needs signed_distance", "interior_rule"},
       {"encoding 4", [](Spec& s) { s.set_encoding(static_cast<v1::BrickEncoding>(4)); },
        "encoding 4 is not an encoding", "encoding"}};
 }
@@ -268,11 +272,13 @@ TEST(Certificate, OfABandSaysWhatItIsAndClaimsNothingOfASurface) {
   asked.set_signed_distance(true);
   JobFacts facts;
   facts.band_width = 0.5;
+  facts.interior_rule = InteriorRule::kWinding;
   const v1::Certificate certificate = CertificateToProto(*JobSpecFromProto(asked, {}), facts, {}, {}, std::nullopt);
   EXPECT_FALSE(certificate.tunnel_free() || certificate.minimal());
   EXPECT_EQ(certificate.band().width(), 0.5);
   EXPECT_EQ(certificate.set(), "band");
   EXPECT_TRUE(certificate.signed_distance());
+  EXPECT_EQ(certificate.interior_rule(), "winding");
   ASSERT_EQ(certificate.fields_size(), 1);
   EXPECT_EQ(certificate.fields(0).field(), v1::FIELD_DISTANCE);
   EXPECT_EQ(certificate.fields(0).digest(), Digest().ToHex());

@@ -126,6 +126,27 @@ TEST(Options, OfASolidSayWhatIsInside) {
   EXPECT_EQ(set({"--set", "solid", "--force-open"}), VoxelSet(Solid{.force_open = true}));
 }
 
+TEST(Options, TheRuleIsForWhateverDependsOnTheInside) {
+  const auto parse = [](std::vector<std::string> words) {
+    words.insert(words.end(), {"--resolution", "9"});
+    return Parse(words).request;
+  };
+  const std::vector<std::vector<std::string>> needs = {{"--band", "2v", "--signed"},
+                                                       {"--fields", "fraction:4"},
+                                                       {"--set", "links", "--side", "inside"},
+                                                       {"--set", "enclosed", "--fields", "distance", "--signed"}};
+  for (std::vector<std::string> words : needs) {
+    EXPECT_EQ(parse(words).interior_rule, InteriorRule::kAuto);
+    words.insert(words.end(), {"--rule", "positive"});
+    EXPECT_EQ(parse(words).interior_rule, InteriorRule::kPositive);
+  }
+  EXPECT_EQ(parse({"--set", "solid", "--fields", "distance", "--signed", "--rule", "parity"}).interior_rule,
+            InteriorRule::kAuto);
+  for (const char* set : {"surface", "enclosed", "links"}) {
+    Refuses({"--resolution", "9", "--set", set, "--rule", "parity"}, {"--rule: needs --set solid", "--signed"});
+  }
+}
+
 TEST(Options, LabelsAreAFieldAndPrioritiesNumbersOrNames) {
   const auto parse = [](std::vector<std::string> words) {
     words.insert(words.end(), {"--resolution", "9", "--set", "interior"});
