@@ -122,15 +122,38 @@ class PageSettings(PageCase):
         self.picture(tab, "links")
 
     def test_the_viewer_shows_fractions_labels_and_signs(self):
-        fields = "distance,fraction,label_fractions"
+        fields = "distance,fraction,label_fractions,point,normal,links,link_triangles,link_crossings"
         tab = self.tab(f"#resolution=20&set=supercover-solid&labels=material&signed=yes&fields={fields}")
         self.drop(tab, "a.obj", self.bodies())
         self.shown(tab)
         paints = "[...document.getElementById('viewer').contentDocument.querySelectorAll('#by option')]"
         names = tab.run(f"{paints}.map(({{ innerText }}) => innerText)")
-        self.assertLessEqual({"fraction", "fraction_0", "fraction_1", "distance", "material"}, set(names))
-        self.assertFalse({"point", "normal"} & set(names))
+        self.assertEqual(set(names) - {"none"}, {*fields.split(","), "fraction_0", "fraction_1", "material"} - {"label_fractions"})
         self.picture(tab, "fractions")
+
+    def test_colors_and_values_of_fields_of_links_and_of_vectors(self):
+        fields = """[
+            { name: 'links', columns: ['a', 'b'], values: new Float32Array([NaN, NaN, NaN, 0.5, 1, 0.25]) },
+            { name: 'link_triangles', columns: ['a', 'b'], values: new Int32Array([-1, -1, -1, 7, 2, 1]) },
+            { name: 'link_crossings', columns: ['a', 'b'], values: new Int32Array([0, 0, 3, 1, 1, 2]) },
+            { name: 'normal', columns: ['nx', 'ny', 'nz'], values: new Float32Array([1, 0, 0, 0, -1, 0, 0, 0, 0]) },
+            { name: 'point', columns: ['u', 'v'], values: new Float32Array([0, 0, 1, 0, 0, 0.5]) }]"""
+        found = self.tab().run(f"""import('./scene.js').then(({{ paintsOf }}) => paintsOf({fields}, 8).map((paint) => {{
+            const {{ paint: {{ name, components, values: kind }}, colors, values }} = paint();
+            const Kind = kind === 'float32' ? Float32Array : Uint32Array;
+            const numbers = [...new Kind(values.buffer, values.byteOffset, values.length / 4)];
+            return [name, components, numbers.map(String), [...colors]]; }}))""")
+        uncrossed = [0xBB] * 3
+        (links, triangles, crossings, normal, point) = found
+        self.assertEqual(links[:3], ["links", 1, ["NaN", "0.5", "0.25"]])
+        self.assertEqual(links[3][:3], uncrossed)
+        self.assertNotEqual(links[3][3:6], links[3][6:])
+        self.assertEqual(triangles[:3], ["link_triangles", 1, ["4294967295", "7", "1"]])
+        self.assertEqual(triangles[3][:3], uncrossed)
+        self.assertEqual(crossings[:3], ["link_crossings", 1, ["0", "3", "2"]])
+        self.assertEqual(crossings[3][:3], uncrossed)
+        self.assertEqual(normal[:2] + normal[3:], ["normal", 3, [255, 128, 128, 128, 0, 128, 128, 128, 128]])
+        self.assertEqual(point[:2] + point[3:], ["point", 2, [255, 0, 0, 0, 255, 0, 128, 0, 128]])
 
     def test_a_wrong_link_is_an_error_until_the_form_is_sent(self):
         data = write_obj(self.dir / "a.obj", self.mesh).read_bytes()

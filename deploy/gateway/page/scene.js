@@ -17,6 +17,7 @@ const RED_BLUE = [
 const ENTRIES = 24,
   STEPS = 32; // of legends
 
+const UNCROSSED = [0xbb, 0xbb, 0xbb]; // the color of a voxel without a crossed link
 const rgb = (color) => [16, 8, 0].map((shift) => (color >> shift) & 255);
 const hex = (levels) => `#${levels.map((level) => level.toString(16).padStart(2, '0')).join('')}`;
 const voxels = (count) => `${count} voxel${count === 1 ? '' : 's'}`;
@@ -88,6 +89,13 @@ function withRest(legend, rows) {
   return rows.length > ENTRIES ? [...legend, ['', `and ${rows.length - ENTRIES} more`]] : legend;
 }
 
+// Returns a choice of colors whose voxels have the values of `field`, in 4 bytes each.
+function withValues({ paint, colors }, { values, columns }) {
+  const kind = values instanceof Float32Array ? 'float32' : 'uint32',
+    wide = values instanceof Uint16Array ? Uint32Array.from(values) : values;
+  return { paint: { ...paint, values: kind, components: columns.length }, colors, values: rawBytes(wide) };
+}
+
 // Returns a choice of colors, which have no values beside them. The legend has the most frequent ones.
 function paintOfColors({ name, values }) {
   const counts = new Map();
@@ -100,7 +108,7 @@ function paintOfColors({ name, values }) {
     const name = hex(rgb(color));
     return [name, `${name}: ${voxels(count)}`];
   });
-  const paint = { name, ramp: false, legend: withRest(legend, rows), values: 'rgb' };
+  const paint = { name, ramp: false, legend: withRest(legend, rows), values: 'rgb', components: 1 };
   return { paint, colors: values, values: NO_VALUES };
 }
 
@@ -108,7 +116,7 @@ function paintOfColors({ name, values }) {
 function paintOfRamp(name, numbers, map, least, most) {
   const colors = new Uint8Array(3 * numbers.length),
     span = most - least;
-  numbers.forEach((n, at) => colors.set(between(map, (n - least) / span), 3 * at));
+  numbers.forEach((n, at) => colors.set(Number.isNaN(n) ? UNCROSSED : between(map, (n - least) / span), 3 * at));
   const legend = Array.from({ length: STEPS + 1 }, (_, n) => [
     hex(between(map, n / STEPS)),
     n % (STEPS / 2) === 0 ? String(Number((least + (span * n) / STEPS).toPrecision(4))) : '',
@@ -116,31 +124,73 @@ function paintOfRamp(name, numbers, map, least, most) {
   return { paint: { name, ramp: true, legend }, colors };
 }
 
-function paintOfDistances({ name, values }) {
+function paintOfDistances(field) {
+  const { name, values } = field;
   const most = values.reduce((so, n) => Math.max(so, Math.abs(n)), 0) || 1,
     isSigned = values.some((n) => n < 0);
-  const { paint, colors } = paintOfRamp(name, values, isSigned ? RED_BLUE : VIRIDIS, isSigned ? -most : 0, most);
-  return { paint: { ...paint, values: 'float32' }, colors, values: rawBytes(values) };
+  return withValues(paintOfRamp(name, values, isSigned ? RED_BLUE : VIRIDIS, isSigned ? -most : 0, most), field);
 }
 
-function paintOfFractions(name, numbers, points) {
-  const { paint, colors } = paintOfRamp(name, numbers, VIRIDIS, 0, points);
-  return { paint: { ...paint, values: 'uint32' }, colors, values: rawBytes(Uint32Array.from(numbers)) };
+function paintOfFractions(field, points) {
+  return withValues(paintOfRamp(field.name, field.values, VIRIDIS, 0, points), field);
 }
 
-function paintOfNumbers({ name, values }) {
+// Returns a choice of colors that `colorOf` gives to the components of each voxel. `legend`: components and their text.
+function paintOfVectors(field, colorOf, legend) {
+  const { name, values, columns } = field,
+    count = values.length / columns.length,
+    colors = new Uint8Array(3 * count);
+  for (let n = 0; n < count; ++n) {
+    colors.set(colorOf(...values.subarray(columns.length * n, columns.length * (n + 1))), 3 * n);
+  }
+  const entries = legend.map(([text, ...vector]) => [hex(colorOf(...vector)), text]);
+  return withValues({ paint: { name, ramp: false, legend: entries }, colors }, field);
+}
+
+const level = (share) => Math.round(255 * Math.min(Math.max(share, 0), 1));
+const colorOfWeights = (u, v) => [1 - u - v, u, v].map(level);
+const colorOfNormal = (...normal) => normal.map((n) => level((n + 1) / 2));
+const CORNERS = [
+  ['corner 1', 0, 0],
+  ['corner 2', 1, 0],
+  ['corner 3', 0, 1],
+];
+const DIRECTIONS = [
+  ['x', 1, 0, 0],
+  ['y', 0, 1, 0],
+  ['z', 0, 0, 1],
+  ['-x', -1, 0, 0],
+  ['-y', 0, -1, 0],
+  ['-z', 0, 0, -1],
+];
+
+// Returns the field with one number for each voxel: `pick` of those of its links.
+function oneOfLinks({ name, values, columns }, pick) {
+  const length = values.length / columns.length,
+    ofVoxel = (n) => values.subarray(columns.length * n, columns.length * (n + 1));
+  return { name, values: values.constructor.from({ length }, (_, n) => ofVoxel(n).reduce(pick)), columns: [name] };
+}
+
+// NaN stands for a link that is not crossed.
+const leastShare = (a, b) => (a <= b || Number.isNaN(b) ? a : b);
+// As unsigned numbers, so that -1, which stands for no triangle, is the largest.
+const firstTriangle = (a, b) => (a >>> 0 <= b >>> 0 ? a : b);
+
+function paintOfNumbers(field, none) {
+  const { name, values } = field,
+    colorOf = (n) => (n === none ? UNCROSSED : rgb(PALETTE[n % PALETTE.length])),
+    textOf = (n) => (n === none ? 'no crossed link' : `${name} ${n}`);
   const colors = new Uint8Array(3 * values.length),
     counts = new Map();
   values.forEach((n, at) => {
     counts.set(n, (counts.get(n) ?? 0) + 1);
-    colors.set(rgb(PALETTE[n % PALETTE.length]), 3 * at);
+    colors.set(colorOf(n), 3 * at);
   });
   const rows = [...counts].sort(([a], [b]) => a - b);
   const legend = rows
     .slice(0, ENTRIES)
-    .map(([n, count]) => [hex(rgb(PALETTE[n % PALETTE.length])), `${name} ${n}: ${voxels(count)}`]);
-  const paint = { name, ramp: false, legend: withRest(legend, rows), values: 'uint32' };
-  return { paint, colors, values: rawBytes(values) };
+    .map(([n, count]) => [hex(colorOf(n)), `${textOf(n)}: ${voxels(count)}`]);
+  return withValues({ paint: { name, ramp: false, legend: withRest(legend, rows) }, colors }, field);
 }
 
 const PAINTS = {
@@ -149,12 +199,22 @@ const PAINTS = {
   material: (field) => [() => paintOfNumbers(field)],
   triangle: (field) => [() => paintOfNumbers(field)],
   distance: (field) => [() => paintOfDistances(field)],
-  fraction: ({ name, values }, points) => [() => paintOfFractions(name, values, points)],
+  point: (field) => [() => paintOfVectors(field, colorOfWeights, CORNERS)],
+  normal: (field) => [() => paintOfVectors(field, colorOfNormal, DIRECTIONS)],
+  links: (field) => [
+    () => {
+      const one = oneOfLinks(field, leastShare);
+      return withValues(paintOfRamp(one.name, one.values, VIRIDIS, 0, 1), one);
+    },
+  ],
+  link_triangles: (field) => [() => paintOfNumbers(oneOfLinks(field, firstTriangle), -1)],
+  link_crossings: (field) => [() => paintOfNumbers(oneOfLinks(field, (a, b) => Math.max(a, b)), 0)],
+  fraction: (field, points) => [() => paintOfFractions(field, points)],
   label_fractions: ({ columns, values }, points) =>
     columns.map((name, n) => () => {
       const length = values.length / columns.length,
         ofLabel = Uint16Array.from({ length }, (_, voxel) => values[voxel * columns.length + n]);
-      return paintOfFractions(name, ofLabel, points);
+      return paintOfFractions({ name, values: ofLabel, columns: [name] }, points);
     }),
 };
 
