@@ -35,7 +35,7 @@ absl::Status WriteDifferenceFile(const GridDifference& difference, const GridTra
   DescribeDifference(difference, transform, "voxels", *voxels.content().grid);
   DescribeDifference(difference, transform, NameOf(Field::kPart), *part);
   openvdb::GridCPtrVec grids{voxels.content().grid, part};
-  if (difference.is_band) {
+  if (difference.has_distances) {
     const auto changes = openvdb::FloatGrid::create(0);
     FillGrid(
         difference.changed, difference.changes.data(), 1, [](const float* change) { return *change; }, *changes);

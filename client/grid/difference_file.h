@@ -23,13 +23,13 @@ struct GridDifference {
   std::string a, b;             // the compared files
   std::vector<Brick> bricks;    // the voxels
   std::vector<uint32_t> marks;  // of each
-  bool is_band = false;         // the files hold distances
-  std::vector<Brick> changed;   // the voxels of both bands whose distances differ
+  bool has_distances = false;   // both files have distances
+  std::vector<Brick> changed;   // then: the voxels of both files whose values differ
   std::vector<float> changes;   // of each, the distance in B minus that in A, world units
 };
 
 // Writes the grids "voxels" (the voxels that differ), "part" (their marks, with names: see latvox/grid/carried_names.h)
-// and, for bands, "difference" (floats: the changes; 0 elsewhere). Metadata latvox_difference_a and
+// and, with distances, "difference" (floats: the changes; 0 elsewhere). Metadata latvox_difference_a and
 // latvox_difference_b name the files. Not atomic. Errors: UNKNOWN, with the path and OpenVDB's message;
 // RESOURCE_EXHAUSTED (memory).
 absl::Status WriteDifferenceFile(const GridDifference& difference, const GridTransform& transform,

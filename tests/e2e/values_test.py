@@ -195,6 +195,32 @@ class Compare(ValuesCase):
         self.assertEqual((report["only_b"], report["both"], report["distances"]), (0, report["voxels"]["b"], None))
         self.assertEqual(self.compare(band, band, "--voxels", status=0)["only_a"], 0)
 
+    def test_distances_of_bands_and_of_other_sets_are_compared(self):
+        """A band with further fields, or voxels of another set with distances, has distances as well."""
+        mesh, options = self.mesh(), [*GRID, "--lattice", "fcc"]
+        self.voxelize(mesh, *options, "--band", "3", out="alone.vdb")
+        self.voxelize(mesh, *options, "--band", "3", "--fields", "part,distance", out="both.vdb")
+        self.voxelize(mesh, *options, "--fields", "distance", out="surface.vdb")
+        for other, only_a in (("both.vdb", 0), ("surface.vdb", 1)):
+            report = self.compare(self.dir / "alone.vdb", self.dir / other, "-o", self.dir / "out.vdb", status=1)
+            self.assertEqual((report["only_a"] > 0, report["only_b"]), (only_a > 0, 0))
+            self.assertEqual((report["distances"]["differ"], report["distances"]["greatest"]), (0, 0))
+            difference = pyopenvdb.readGridMetadata(str(self.dir / "out.vdb"), "difference")
+            self.assertEqual(difference["latvox_difference_b"], str(self.dir / other))
+
+    def test_a_band_with_colors_is_drawn_with_them(self):
+        band = ["--voxel-size", "0.5", "--band", "2v", "--fields", "material,distance"]
+        self.voxelize(self.bodies(), *band, out="a.vdb")
+        self.voxelize(self.bodies(), *band, out="voxelized.png")
+        text = self.run_latvox("render", self.dir / "a.vdb", "-o", self.dir / "rendered.png").stdout
+        self.assertIn("in the band; the picture shows those at the surface", text)
+        self.run_latvox("convert", self.dir / "a.vdb", "-o", self.dir / "converted.png")
+        pictures = [(self.dir / f"{name}.png").read_bytes() for name in ("voxelized", "rendered", "converted")]
+        self.assertEqual(pictures[0], pictures[1])
+        self.assertEqual(pictures[0], pictures[2])
+        hues = {(r > b) - (r < b) for line in read_png(self.dir / "rendered.png")[2] for r, g, b, *_ in line}
+        self.assertLessEqual({1, -1}, hues, "orange and sky blue")
+
     def test_attributes_that_differ_are_counted(self):
         mesh = self.bodies()
         for name, attributes in (("a", "part,color"), ("b", "part,color"), ("c", "part")):

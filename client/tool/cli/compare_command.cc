@@ -153,7 +153,8 @@ absl::StatusOr<Comparison> RunCompare(const CompareWords& words, const Cancellat
   if (!a.ok()) return a.status();
   const auto b = ReadForeignContent(words.b, !words.voxels_only, cancellation);
   if (!b.ok()) return b.status();
-  if (a->is_band != b->is_band && !words.voxels_only) {
+  const bool both_have_distances = a->distances && b->distances;
+  if (a->is_band != b->is_band && !both_have_distances && !words.voxels_only) {
     return absl::InvalidArgumentError(absl::StrCat(a->is_band ? words.a : words.b, " is a band of distances, ",
                                                    a->is_band ? words.b : words.a,
                                                    " is a set of voxels; --voxels compares only the voxels"));

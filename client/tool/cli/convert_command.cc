@@ -50,9 +50,7 @@ VoxelizeRequest RequestOf(const GridContent& content, const std::vector<Field>& 
   const GridFileInfo& info = content.file.info;
   VoxelizeRequest request;
   request.fields = fields;
-  if (!content.distances || (!content.is_band && MetadatumOf(info, "latvox_set") != NameOf(VoxelSet(Band())))) {
-    return request;
-  }
+  if (!content.distances || !HoldsBand(content)) return request;
   request.set = Band{.width = content.distances->most, .in_voxels = false};
   request.signed_distance = content.distances->is_signed;
   const auto is_cut = [&info](const char* name) { return !MetadatumOf(info, name).empty(); };

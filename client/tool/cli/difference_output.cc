@@ -35,13 +35,17 @@ constexpr MarkColor kColors[] = {{DifferenceMark::kSame, 0xB8B8B8, "gray"},
 struct MarkedVoxels {
   std::vector<Brick> bricks;
   std::vector<DifferenceMark> marks;  // of each voxel
-  std::vector<float> changes;         // of each voxel whose distances differ
+  std::vector<float> changes;         // with distances in both files: of each voxel with other values
 };
 
 class Marking {
  public:
   Marking(const GridContent& a, const GridContent& b, bool values)
-      : a_(a), b_(b), fields_(values ? CommonFields(a, b) : std::vector<CommonField>{}) {}
+      : a_(a), b_(b), fields_(values ? CommonFields(a, b) : std::vector<CommonField>{}) {
+    const auto has_distances = [](const CommonField& field) { return field.a->field == Field::kDistance; };
+    const auto found = std::ranges::find_if(fields_, has_distances);
+    if (found != fields_.end()) distances_ = &*found;
+  }
 
   MarkedVoxels Mark() {
     ForEachPair(a_.file.bricks, b_.file.bricks, [&](const Brick* of_a, const Brick* of_b) {
@@ -66,19 +70,18 @@ class Marking {
 
   // Compares the voxel m_ of A with the voxel n_ of B.
   bool HasOtherValues() {
-    bool differ = false;
-    for (const CommonField& field : fields_) {
-      if (!field.Differs(m_, n_)) continue;
-      differ = true;
-      if (field.a->field != Field::kDistance) continue;
-      found_.changes.push_back(field.b->As<float>()[n_] - field.a->As<float>()[m_]);
+    const auto differs = [this](const CommonField& field) { return field.Differs(m_, n_); };
+    if (std::ranges::none_of(fields_, differs)) return false;
+    if (distances_ != nullptr) {
+      found_.changes.push_back(distances_->b->As<float>()[n_] - distances_->a->As<float>()[m_]);
     }
-    return differ;
+    return true;
   }
 
   const GridContent &a_, &b_;
   const std::vector<CommonField> fields_;
-  size_t m_ = 0, n_ = 0;  // voxels passed
+  const CommonField* distances_ = nullptr;  // of `fields_`
+  size_t m_ = 0, n_ = 0;                    // voxels passed
   MarkedVoxels found_;
 };
 
@@ -100,13 +103,13 @@ std::vector<Brick> Only(const MarkedVoxels& all, const Wanted& wanted) {
   return some;
 }
 
-GridDifference DifferenceOf(const MarkedVoxels& all, const CompareWords& words, bool is_band) {
-  GridDifference difference{words.a, words.b, {}, {}, is_band, {}, {}};
+GridDifference DifferenceOf(const MarkedVoxels& all, const CompareWords& words, bool has_distances) {
+  GridDifference difference{words.a, words.b, {}, {}, has_distances, {}, {}};
   difference.bricks = Only(all, [](DifferenceMark mark) { return mark != DifferenceMark::kSame; });
   for (const DifferenceMark mark : all.marks) {
     if (mark != DifferenceMark::kSame) difference.marks.push_back(static_cast<uint32_t>(mark));
   }
-  if (!is_band) return difference;
+  if (!has_distances) return difference;
   difference.changed = Only(all, [](DifferenceMark mark) { return mark == DifferenceMark::kOtherValues; });
   difference.changes = all.changes;
   return difference;
@@ -143,14 +146,14 @@ absl::StatusOr<std::vector<std::unique_ptr<AtomicFile>>> WriteDifferences(const 
                                                                           const GridContent& a, const GridContent& b,
                                                                           const Cancellation& cancellation) {
   const GridTransform& transform = a.file.info.transform;
-  const bool is_band = !words.voxels_only && a.is_band && b.is_band;
+  const bool has_distances = !words.voxels_only && a.distances && b.distances;
   const MarkedVoxels all = Marking(a, b, !words.voxels_only).Mark();
   std::vector<std::unique_ptr<AtomicFile>> files;
   for (const std::string& path : words.outputs) {
     auto file = AtomicFile::Create(path);
     if (!file.ok()) return file.status();
     if (absl::EndsWithIgnoreCase(path, ".vdb")) {
-      const GridDifference difference = DifferenceOf(all, words, is_band);
+      const GridDifference difference = DifferenceOf(all, words, has_distances);
       const auto vdb = Vdb::Load();
       if (!vdb.ok()) return vdb.status();
       if (auto status = (*vdb)->WriteDifference(difference, transform, (*file)->temporary()); !status.ok()) {

@@ -10,6 +10,7 @@
 #include "client/tool/cli/picture_style_option.h"
 #include "client/tool/confined/foreign_grid.h"
 #include "client/tool/output/atomic_file.h"
+#include "client/tool/output/file_metadata.h"
 #include "client/tool/output/picture_scene.h"
 #include "latvox/grid/grid_content.h"
 
@@ -74,7 +75,10 @@ absl::StatusOr<std::string> RunRender(const RenderWords& words, const PictureOpt
   auto content = ReadForeignContent(words.input, /*values=*/true, given.cancellation);
   if (!content.ok()) return content.status();
   if (auto status = SelectLabel(words.color_by, words.input, *content); !status.ok()) return status;
-  const bool plain = content->is_band || !words.color.empty();
+  const bool is_band = HoldsBand(*content);
+  // On the surface of a band, distances say little.
+  const bool has_distances_alone = is_band && DefaultColorBy(TraitsOf(*content)) == ColorBy::kDistance;
+  const bool plain = has_distances_alone || !words.color.empty();
   const ColorBy by = plain && words.color_by.empty() ? ColorBy::kNone : ColorByOf(words.color_by, false, *content);
   auto colors = FileColors(words.input, *content, by);
   if (!colors.ok()) return colors.status();
@@ -82,8 +86,8 @@ absl::StatusOr<std::string> RunRender(const RenderWords& words, const PictureOpt
   options.style = StyleOf(words.style, *content, by);
   const GridTransform& transform = content->file.info.transform;
   std::vector<Brick> skin;
-  if (content->is_band) skin = SkinOf(content->Batch(), SkinDepth(transform), *colors);
-  const std::vector<Brick>& shown = content->is_band ? skin : content->file.bricks;
+  if (is_band) skin = SkinOf(content->Batch(), SkinDepth(transform), *colors);
+  const std::vector<Brick>& shown = is_band ? skin : content->file.bricks;
   VoxelScene scene(transform, ShiftFor(transform, DiagonalOf(shown, transform), options));
   AddBricks(shown, *colors, scene);
   scene.Seal();
@@ -91,7 +95,7 @@ absl::StatusOr<std::string> RunRender(const RenderWords& words, const PictureOpt
   if (!png.ok()) return png.status();
   if (auto status = WriteAtomically(output, *png); !status.ok()) return status;
   return absl::StrFormat("%s: %d voxels%s%s\nwrote %s in %.2f s\n", words.input, content->file.info.active_voxels,
-                         content->is_band ? " in the band; the picture shows those at the surface" : "",
+                         is_band ? " in the band; the picture shows those at the surface" : "",
                          ColoredText(words.color_by, by), output, absl::ToDoubleSeconds(absl::Now() - start));
 }
 

@@ -17,4 +17,9 @@ SortedJson RequestIn(const GridFileInfo& info) {
 // `up_axis` in the request names the axis of the mesh that became z.
 UpAxis UpOf(const GridFileInfo& info) { return RequestIn(info).contains("up_axis") ? UpAxis::kZ : UpAxis::kY; }
 
+bool HoldsBand(const GridContent& content) {
+  return content.is_band ||
+         (content.distances && MetadatumOf(content.file.info, "latvox_set") == NameOf(VoxelSet(Band())));
+}
+
 }  // namespace latvox::client

@@ -6,6 +6,7 @@
 
 #include "absl/strings/string_view.h"
 #include "client/json/json.h"
+#include "latvox/grid/grid_content.h"
 #include "latvox/grid/voxel_grid.h"
 #include "latvox/mesh_files/up_axis.h"
 
@@ -20,6 +21,9 @@ SortedJson RequestIn(const GridFileInfo& info);
 // Returns the axis of the world that points up: z if --up-axis turned the mesh, otherwise y. Files of other programs do
 // not tell.
 UpAxis UpOf(const GridFileInfo& info);
+
+// Returns whether the voxels are a band with distances, with or without other fields.
+bool HoldsBand(const GridContent& content);
 
 }  // namespace latvox::client
 

@@ -55,14 +55,15 @@ class PictureOutput final : public Output {
   }
 
   absl::Status Add(const BrickBatch& batch) override {
+    auto colors = ColorsOf(batch, traits_, DefaultColorBy(traits_));
+    if (!colors.ok()) return colors.status();
     if (shows_skin_) {
-      std::vector<uint32_t> no_colors;
-      AddBricks(SkinOf(batch, skin_depth_, no_colors), {}, *scene_);
-      return absl::OkStatus();
+      const std::vector<Brick> skin = SkinOf(batch, skin_depth_, *colors);
+      AddBricks(skin, *colors, *scene_);
+    } else {
+      AddBricks(batch.bricks, *colors, *scene_);
     }
-    const auto colors = ColorsOf(batch, traits_, DefaultColorBy(traits_));
-    if (colors.ok()) AddBricks(batch.bricks, *colors, *scene_);
-    return colors.status();
+    return absl::OkStatus();
   }
 
   absl::Status Finish(const Summary&) override {

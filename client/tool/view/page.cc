@@ -14,6 +14,7 @@
 #include "absl/strings/string_view.h"
 #include "client/internal/vec3.h"
 #include "client/json/json.h"
+#include "client/tool/output/file_metadata.h"
 #include "client/tool/output/voronoi_cell.h"
 #include "client/tool/view/paints.h"
 #include "latvox/for_each_voxel.h"
@@ -210,7 +211,7 @@ absl::StatusOr<std::string> ViewPage(const GridContent& content, const std::stri
                      {"middle", placement.middle},
                      {"facets", FacetsOf(cell, basis)},
                      {"paints", Describe(*paints)},
-                     {"band", content.is_band}};
+                     {"band", HoldsBand(content)}};
   return Fill(data, file.bricks, *paints);
 }
 
