@@ -50,11 +50,11 @@ bool Separates(const VoxelSet& set) {
   return solid != nullptr ? solid->surface == SolidSurface::kSeparating : !std::holds_alternative<Supercover>(set);
 }
 
-// Only a separating surface is thinned.
+// Only a separating surface is thinned. Without a surface, fields of links may still ask for a separability.
 void AddSurface(const VoxelizeRequest& request, Json& json) {
   const auto* const solid = std::get_if<Solid>(&request.set);
   const bool has_surface = solid == nullptr || solid->surface != SolidSurface::kNone;
-  if (has_surface) json["separability"] = request.separability;
+  if (has_surface || request.separability != 0) json["separability"] = request.separability;
   if (Separates(request.set) && request.algorithm == Algorithm::kExact)
     json["minimal"] = request.minimal.value_or(true);
   json["algorithm"] = kAlgorithms[static_cast<size_t>(request.algorithm)];
@@ -91,6 +91,7 @@ Json RequestJson(const VoxelizeRequest& request) {
   if (const auto* connected = std::get_if<Connected>(&request.set)) AddConnected(*connected, json);
   if (const auto* band = std::get_if<Band>(&request.set)) {
     AddBand(*band, json);
+    if (request.separability != 0) json["separability"] = request.separability;
   } else if (const auto* links = std::get_if<Links>(&request.set)) {
     json["separability"] = request.separability;
     json["side"] = NameOf(links->side);
@@ -103,6 +104,7 @@ Json RequestJson(const VoxelizeRequest& request) {
   }
   if (!request.fraction_labels.empty()) json["fraction_labels"] = request.fraction_labels;
   if (request.signed_distance) json["signed"] = true;
+  if (NeedsInteriorRule(request)) json["rule"] = NameOf(request.interior_rule);
   if (request.verify) json["verify"] = true;
   return json;
 }

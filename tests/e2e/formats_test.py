@@ -101,6 +101,10 @@ class Formats(Case):
             ["--voxel-size", "0.1", "--set", "enclosed", "--close", "0.3", "--fields", "normal,triangle"],
             ["--voxel-size", "0.1", "--set", "region", "--seed", "0,0,0", "--allow-outside", "--fields", "point"],
             ["--voxel-size", "0.1", "--set", "links", "--side", "both", "--fields", "links,link_crossings"],
+            ["--voxel-size", "0.1", "--set", "links", "--side", "both", "--separability", "2", "--fields", "triangle"],
+            ["--voxel-size", "0.1", "--set", "solid", "--force-open", "--separability", "1", "--fields", "links"],
+            ["--voxel-size", "0.1", "--set", "interior", "--force-open", "--separability", "1", "--fields", "links"],
+            ["--voxel-size", "0.1", "--band", "2v", "--separability", "2", "--fields", "distance,links"],
         )):
             with self.subTest(options):
                 summary = self.voxelize(BUNNY, *options, out=f"{n}.vdb")
@@ -116,6 +120,8 @@ class Formats(Case):
                 self.assertEqual(done.returncode, 0, done.stderr)
                 again = pyopenvdb.readGridMetadata(str(self.dir / f"out{n}" / f"again{n}.vdb"), name)
                 self.assertEqual(again["latvox_digest"], summary["digest"])
+                for field, about in summary.get("fields", {}).items():
+                    self.assertEqual(again[f"latvox_{field}_digest"], about["digest"])
                 self.assertEqual(again["latvox_request"], grid["latvox_request"])
 
     def test_a_vdb_tells_which_part_it_is(self):
