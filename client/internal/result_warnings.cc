@@ -91,6 +91,12 @@ Warning EmptyWhole(const Accepted& accepted, const Certificate& certificate) {
                          "); a leak from a point inside shows why, and close may close it"),
             certificate.set};
   }
+  if (!certificate.interior_rule.empty() && certificate.set == "links") {
+    return {"EMPTY_RESULT",
+            absl::StrCat("no end of a step that the mesh crosses lies on this side of it (voxel size ",
+                         accepted.grid.voxel_size, ")"),
+            "links.side"};
+  }
   return {"EMPTY_RESULT",
           absl::StrCat("the mesh crosses no step between neighboring lattice points (voxel size ",
                        accepted.grid.voxel_size, ")"),

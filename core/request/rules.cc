@@ -165,13 +165,10 @@ Found CheckFractionLabels(const VoxelizeOptions& options) {
     if (options.fraction_labels.empty()) return std::nullopt;
     return Breach{"fraction_labels", "fraction_labels: needs label_fractions among fields"};
   }
-  if (std::holds_alternative<Enclosed>(options.set)) {
-    return Breach{"fields", "fields label_fractions: not together with enclosed, whose triangles need not be closed",
-                  NameOf(Field::kLabelFractions), "", "enclosed"};
-  }
   const Solid* const solid = std::get_if<Solid>(&options.set);
-  if (solid == nullptr || !solid->labels) {
-    return Breach{"fields", "fields label_fractions: needs solid.labels", NameOf(Field::kLabelFractions)};
+  const bool is_excluded = std::holds_alternative<Enclosed>(options.set);
+  if (!is_excluded && (solid == nullptr || !solid->labels)) {
+    return Breach{"fields", "fields label_fractions: needs a solid with solid.labels", NameOf(Field::kLabelFractions)};
   }
   return FindBadLabels("fraction_labels", options.fraction_labels, kMostFractionLabels);
 }
@@ -232,6 +229,9 @@ constexpr std::array kOptions{
     Option{"fraction", "fields", "fraction or label_fractions among `fields`",
            [](const O& o) { return !o.fields.OfCells().empty(); },
            [](const O& o) -> std::string { return NameOf(*o.fields.OfCells().begin()); }},
+    Option{"label fractions", "fields", "label_fractions among `fields`",
+           [](const O& o) { return o.fields.Contains(Field::kLabelFractions); },
+           [](const O&) -> std::string { return NameOf(Field::kLabelFractions); }},
     Option{"rule of fields", "interior_rule", "`interior_rule`",
            [](const O& o) { return o.interior_rule != InteriorRule::kAuto; },
            [](const O& o) { return std::string{NameOf(o.interior_rule)}; }},
@@ -269,6 +269,7 @@ constexpr std::array kExclusions{
     Exclusion{"verify", "enclosed"},
     Exclusion{"verify", "connected"},
     Exclusion{"verify", "links"},
+    Exclusion{"label fractions", "enclosed", ", whose triangles need not be closed"},
     Exclusion{"rule of fields", "solid", ", which has a rule of its own"},
     Exclusion{"fraction", "open solid", ", which fills a mesh that is not closed"},
 };

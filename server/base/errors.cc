@@ -143,6 +143,7 @@ absl::Status WithCauseOfCore(absl::Status status, const RequestFields& fields) {
     cause.field = fields.sampling;
     if (exceeds) cause.limit_name = "max_extent";
   }
+  if (field == "fraction_n" && exceeds) cause.limit_name = "max_extent";
   return WithCause(std::move(status), cause);
 }
 

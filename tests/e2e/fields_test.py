@@ -114,7 +114,9 @@ class Fields(Case):
         corners = numpy.array([[vertices[v] for v in t] for t in triangles])
         fields = ["--fields", "distance,triangle,point,normal", "--signed"]
         for options in (["--set", "surface"], ["--set", "supercover"], ["--set", "solid"], ["--set", "interior"],
-                        ["--set", "supercover-solid"], ["--band", "2.5"]):  # fmt: skip
+                        ["--set", "supercover-solid"], ["--band", "2.5"], ["--set", "enclosed"],
+                        ["--set", "enclosed-interior"], ["--set", "region", "--seed", "0,0,0"], ["--set", "links"],
+                        ["--set", "links", "--side", "outside"]):  # fmt: skip
             with self.subTest(options):
                 summary = self.voxelize(mesh, *GRID, *fields, *options)
                 self.assertEqual(list(summary["fields"]), ["distance", "triangle", "point", "normal"])

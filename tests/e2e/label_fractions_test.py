@@ -182,7 +182,7 @@ class LabelFractions(Case):
                 self.assertEqual(done.returncode, status, done.stderr)
                 self.assertIn(says, done.stderr.replace('\\"', '"'))
         done = latvox("voxelize", self.mesh, "--json", "--set", "solid", "--fields", "label_fractions:2", "-o", "a.csv", cwd=self.dir)
-        self.assertEqual((done.returncode, "--fields label_fractions: needs --labels" in done.stderr), (3, True), done.stderr)
+        self.assertEqual((done.returncode, "--fields label_fractions: needs a solid with --labels" in done.stderr), (3, True), done.stderr)
 
 
 if __name__ == "__main__":

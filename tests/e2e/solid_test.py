@@ -155,15 +155,14 @@ class Solids(Case):
 
     def test_other_sets_have_the_inside_of_the_solid_where_bodies_overlap(self):
         mesh = write_obj(self.dir / "m.obj", joined(box((0, 0, 0), (10, 10, 10)), box((5, 0, 0), (15, 10, 10))))
-        grid = ("--voxel-size", "0.5", "--placement", "cells")
+        grid = ("--voxel-size", "1", "--placement", "cells")
         whole = self.voxelize(mesh, *grid, "--set", "interior")["voxels"]
-        for name, set, others in (
-            ("band", ("--band", "99v", "--fields", "distance,fraction:2", "--signed"), {"parity": 8000}),
-            ("enclosed", ("--set", "enclosed-interior", "--fields", "distance,fraction:2", "--signed"), {"parity": 8000}),
-        ):
-            for rule, inside in ({"auto": whole, "winding": whole, "positive": whole} | others).items():
-                with self.subTest(name, rule=rule):
-                    summary = self.voxelize(mesh, *grid, *set, "--rule", rule, out="a.csv")
+        self.assertEqual(whole, 1500)
+        fields = ("--fields", "distance,fraction:2", "--signed")
+        for points in (("--band", "6v"), ("--set", "enclosed")):
+            for rule, inside in {"auto": whole, "winding": whole, "positive": whole, "parity": 1000}.items():
+                with self.subTest(points, rule=rule):
+                    summary = self.voxelize(mesh, *grid, *points, *fields, "--rule", rule, out="a.csv")
                     self.assertEqual(summary["certificate"]["rule"], "winding" if rule == "auto" else rule)
                     with open(self.dir / "a.csv") as file:
                         carried = list(csv.DictReader(file))
@@ -173,7 +172,7 @@ class Solids(Case):
         parity = self.voxelize(mesh, *grid, "--set", "links", "--side", "outside", "--rule", "parity")
         self.assertLess(outside["voxels"], parity["voxels"])
         self.voxelize(mesh, *grid, "--band", "2v", "--signed", "--rule", "positive", out="a.vdb")
-        self.assertRegex(latvox("info", self.dir / "a.vdb").stdout, '"latvox_interior_rule": *"positive"')
+        self.assertIn("latvox_interior_rule = positive\n", latvox("info", self.dir / "a.vdb").stdout)
 
     def test_cells_keep_a_plate_that_points_lose(self):
         plate = write_obj(self.dir / "plate.obj", box((0, 0, 0), (96, 0.8, 96)))

@@ -278,7 +278,7 @@ def test_errors_of_the_server_name_keywords(server):
     mesh = tuple(np.array(part) for part in octahedron())
     for options, text in (
         ({"set": "interior", "separability": 2}, "separability 2: not together with set interior, which has no"),
-        ({"fields": "label_fractions:4"}, "fields label_fractions: needs labels"),
+        ({"fields": "label_fractions:4"}, "fields label_fractions: needs a solid with labels"),
         ({"set": "region", "seed": (9, 9, 9)}, "seed: the nearest lattice point, .*, lies outside of the mesh's box; allow_outside allows it"),
         ({"set": "enclosed", "close": 1e9}, "close 1e.09: of half of it"),
     ):

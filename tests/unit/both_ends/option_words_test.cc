@@ -54,21 +54,17 @@ std::vector<Case> CasesOfLabels() {
          o.fraction_n = 4;
        },
        {},
-       "--fields label_fractions: needs --labels"},
-      {"fraction_labels",
-       [](Options& o) {
-         o.set = Enclosed{.labels = Field::kPart};
-         o.fields = {Field::kPart, Field::kLabelFractions};
-         o.fraction_n = 4;
-       },
-       client::Enclosed{},
-       "--fields label_fractions: not together with --set enclosed, whose triangles need not be closed"},
+       "--fields label_fractions: needs a solid with --labels"},
   };
 }
 
 std::vector<Case> Cases() {
   return {
       {"separability", [](Options& o) { o.separability = 3; }, {}, "--separability 3 exceeds 2"},
+      {"interior_rule",
+       [](Options& o) { o.interior_rule = InteriorRule::kParity; },
+       {},
+       "--rule parity: needs --signed, fraction among --fields, or one side of links"},
       {"region",
        [](Options& o) {
          o.region = IndexBox{{0, 0, 0}, {1, 0, 1}};

@@ -247,13 +247,14 @@ TEST(LabelFraction, NeedsLabels) {
   EXPECT_EQ(RefusalOf(options).message(), "fraction_labels 1 occurs twice");
   options.fraction_labels = {1, 0x80000000};
   EXPECT_EQ(RefusalOf(options).message(), "fraction_labels 2147483648 exceeds 2147483647");
+  options.fraction_labels = {1};
   options.set = Solid{};
-  EXPECT_EQ(RefusalOf(options).message(), "fields label_fractions: needs solid.labels");
+  EXPECT_EQ(RefusalOf(options).message(), "fields label_fractions: needs a solid with solid.labels");
   options.set = Enclosed{.labels = Field::kPart};
   EXPECT_EQ(RefusalOf(options).message(),
             "fields label_fractions: not together with enclosed, whose triangles need not be closed");
   options.set = Band{1, true};
-  EXPECT_EQ(RefusalOf(options).message(), "fields label_fractions: needs solid.labels");
+  EXPECT_EQ(RefusalOf(options).message(), "fields label_fractions: needs a solid with solid.labels");
   options.fields = {Field::kFraction};
   EXPECT_EQ(RefusalOf(options).message(), "fraction_labels: needs label_fractions among fields");
   EXPECT_EQ(RefusalOf(Options({}, 1)).message(), "fraction_n 1 is below 2");
