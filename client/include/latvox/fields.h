@@ -57,6 +57,12 @@ struct FieldFacts {
   constexpr bool is_of_links() const { return components == kOneForEachNeighbor; }
   // Returns whether a voxel has a number for each label.
   constexpr bool is_of_labels() const { return components == kOneForEachLabel; }
+  // Returns whether the values depend on the order of the mesh's triangles, which Draco changes. For a normal, it
+  // decides among triangles at the same distance.
+  constexpr bool needs_order() const {
+    return field == Field::kTriangle || field == Field::kPoint || field == Field::kNormal ||
+           field == Field::kLinkTriangles;
+  }
   // Returns whether the numbers count points of a voxel's cell.
   constexpr bool is_of_cell() const { return field == Field::kFraction || field == Field::kLabelFractions; }
 };

@@ -90,7 +90,7 @@ struct Links {
 // own triangles alone, and the result is their union.
 struct Enclosed {
   SolidSurface surface = SolidSurface::kSeparating;  // kNone leaves out the surface's voxels; not kSupercover
-  double close = 0;                                  // holes up to this width count as closed, world units
+  double close = 0;                                  // closes holes, world units: see the protocol
   std::optional<Vec3d> leak_from = std::nullopt;     // world position whose way outside WalkFacts.leak reports
   std::optional<Field> labels = std::nullopt;        // as in Solid
   std::vector<uint32_t> priority = {};               // as in Solid

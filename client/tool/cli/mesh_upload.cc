@@ -59,10 +59,8 @@ absl::StatusOr<MeshUpload> PrepareDraco(const VoxelizeOptions& options, const Ca
   return DoAbandonably(count, call);
 }
 
-// Draco changes the order of triangles.
 bool NeedsOrder(const std::vector<Field>& fields) {
-  return CarriesField(fields, Field::kTriangle) || CarriesField(fields, Field::kPoint) ||
-         CarriesField(fields, Field::kLinkTriangles);
+  return std::any_of(fields.begin(), fields.end(), [](Field field) { return FactsOf(field).needs_order(); });
 }
 
 // Returns whether the tool itself colors voxels, or leaves some out.

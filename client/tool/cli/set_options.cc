@@ -142,15 +142,17 @@ void InterpretRule(const VoxelizeWords& words, VoxelizeRequest& request) {
   if (NeedsInteriorRule(request)) {
     request.interior_rule = RuleOf(words);
   } else if (!words.rule.empty() && !std::holds_alternative<Solid>(request.set)) {
-    Refuse("--rule: needs --set solid, supercover-solid or interior, or --signed, a fraction or one --side of links");
+    Refuse(
+        "--rule: needs --set solid, supercover-solid or interior, or --signed, a fraction or one --side of links, "
+        "not ",
+        NameOf(request.set), " alone");
   }
 }
 
-// A field of a triangle's number or place in its list is about the triangles as sent. Draco changes their order.
 void CheckOrder(const VoxelizeOptions& options) {
-  for (const Field field : {Field::kTriangle, Field::kPoint, Field::kLinkTriangles}) {
-    if (!CarriesField(options.request.fields, field)) continue;
-    if (options.upload == UploadForm::kDraco) {
+  if (options.upload != UploadForm::kDraco) return;
+  for (const Field field : options.request.fields) {
+    if (FactsOf(field).needs_order()) {
       Refuse("--fields: ", NameOf(field), " needs --upload raw; Draco changes the order of triangles");
     }
   }
@@ -225,7 +227,8 @@ std::vector<OptionRow> PointRows(VoxelizeWords& words) {
        .checks = {{CheckNumbers<double, 3>}}},
       {.names = "--close",
        .target = &words.close,
-       .help = "Treat holes up to G world units wide as closed, for enclosed sets and regions; 0 closes none",
+       .help = "Close holes of enclosed sets and regions up to a width of G, world units, less the longest step "
+               "between neighbors; 0 closes none",
        .value = "G",
        .checks = {{CheckWidth}}},
       {.names = "--leak-from",

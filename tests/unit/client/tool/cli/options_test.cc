@@ -320,7 +320,9 @@ TEST(Options, RefusalsOfSetsNameOptionValueAndLimit) {
           {"--fields", "a.npy", "cannot hold distance,part", "--array selects"});
   Refuses({"--resolution", "9", "--fields", "part,shape"}, {"--fields", "shape", "part", "normal"});
   Refuses({"--resolution", "9", "--fields", "part,part"}, {"--fields", "part", "twice"});
-  Refuses({"--resolution", "9", "--fields", "triangle", "--upload", "draco"}, {"--fields", "triangle", "--upload raw"});
+  for (const char* field : {"triangle", "point", "normal", "link_triangles"}) {
+    Refuses({"--resolution", "9", "--fields", field, "--upload", "draco"}, {"--fields", field, "--upload raw"});
+  }
   Refuses({"--align", "a.vdb", "--separability", "26"}, {"--separability", "26", "--lattice cartesian"});
   Refuses({"--resolution", "9", "--set", "surface", "--force-open"}, {"--force-open", "--set solid"});
   Refuses({"--resolution", "9", "--labels", "part"}, {"--labels", "--set solid"});

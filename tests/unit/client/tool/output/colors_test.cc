@@ -162,7 +162,9 @@ TEST(Paints, AreForEveryField) {
     EXPECT_EQ(paint.name, facts.name);
     EXPECT_EQ(paint.bytes.size(), 3U);
     EXPECT_FALSE(paint.legend.empty());
-    if (!paint.values.empty()) EXPECT_EQ(paint.values.size(), 4 * paint.components) << facts.name;
+    if (!paint.values.empty()) {
+      EXPECT_EQ(paint.values.size(), 4 * paint.components) << facts.name;
+    }
     EXPECT_EQ(paint.components, facts.field == Field::kPoint ? 2U : facts.field == Field::kNormal ? 3U : 1U);
   }
 }
