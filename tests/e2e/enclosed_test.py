@@ -46,6 +46,25 @@ class Enclosed(Case):
             points, volume = re.search(r"1 enclosed part, the largest of (\d+) points, volume (\S+)\n", found.stdout).groups()
             self.assertAlmostEqual(float(volume), int(points) / 8, delta=1e-5 * float(volume))
 
+    def test_a_hole_is_closed_by_its_width_and_the_longest_step(self):
+        step, width = 0.1, 0.125
+        for low in (0.3, 0.4, 0.43):  # of the hole, in the face z = 1
+            vertices, triangles = box((0, 0, 0), (1, 1, 1))
+            top = [n for n, v in enumerate(vertices) if v[2] == 1]
+            triangles = [t for t in triangles if not set(t) <= set(top)]
+            outer, inner = sorted(top, key=vertices.__getitem__), range(len(vertices), len(vertices) + 4)
+            vertices += [(x, y, 1) for x in (low, low + width) for y in (low, low + width)]
+            for a, b in ((0, 1), (1, 3), (3, 2), (2, 0)):
+                triangles += [(outer[a], outer[b], inner[b]), (outer[a], inner[b], inner[a])]
+            mesh = write_obj(self.dir / "hole.obj", (vertices, triangles))
+            for k, longest in ((2, step), (0, 3**0.5 * step)):
+                grid = ("--voxel-size", step, "--separability", k, "--origin", "0,0,0", "--set", "enclosed")
+                cavities = [
+                    self.voxelize(mesh, *grid, "--close", close)["certificate"]["walk"]["cavities"]
+                    for close in (0, width + longest)
+                ]
+                self.assertEqual(cavities, [0, 1], (low, k))
+
     def test_a_point_outside_of_the_mesh_is_no_leak(self):
         cube = write_obj(self.dir / "cube.obj", box((0, 0, 0), (1, 1, 1)))
         ball = write_obj(self.dir / "ball.obj", octahedron())
