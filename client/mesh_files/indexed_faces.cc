@@ -23,9 +23,15 @@ absl::StatusOr<uint32_t> ToVertex(double index, const char* element, uint64_t n,
 absl::Status AppendFace(const std::vector<double>& indices, uint64_t n, Mesh& mesh) {
   absl::InlinedVector<uint32_t, 8> corners;
   for (const double index : indices) {
-    const auto vertex = ToVertex(index, "face", n, mesh.positions);
-    if (!vertex.ok()) return vertex.status();
-    corners.push_back(*vertex);
+    // Most corners, without the cost of a status.
+    if (index >= 0 && index < static_cast<double>(mesh.positions.size())) {
+      const auto vertex = static_cast<uint32_t>(index);
+      if (vertex == index && IsFinite(mesh.positions[vertex])) {
+        corners.push_back(vertex);
+        continue;
+      }
+    }
+    return ToVertex(index, "face", n, mesh.positions).status();
   }
   if (corners.size() >= 3) {
     Triangulate(corners, mesh.positions, mesh.triangles);

@@ -44,6 +44,21 @@ bool IsOneOf(absl::string_view word, const absl::string_view (&words)[kSize]) {
 
 std::string Name(absl::string_view rest) { return std::string(absl::StripAsciiWhitespace(rest)); }
 
+// Reads the index of a corner, such as "7" or "7/1/3", if it is that of a finite position. Returns false for all
+// others, which ParseCorner reads or refuses.
+bool ParsePlainCorner(absl::string_view word, const std::vector<Vec3d>& positions, uint32_t& vertex) {
+  constexpr size_t kMostDigits = 9;
+  uint32_t index = 0;
+  size_t n = 0;
+  for (; n < word.size() && n <= kMostDigits && word[n] >= '0' && word[n] <= '9'; ++n) {
+    index = 10 * index + static_cast<uint32_t>(word[n] - '0');
+  }
+  const bool is_plain = n <= kMostDigits && (n == word.size() || word[n] == '/');
+  if (!is_plain || index == 0 || index > positions.size() || !IsFinite(positions[index - 1])) return false;
+  vertex = index - 1;
+  return true;
+}
+
 // Reads "7", "7/1", "7//3" or "-2": the index of a position, counted from 1, or backwards from the last vertex before
 // this line.
 absl::StatusOr<uint32_t> ParseCorner(absl::string_view word, size_t line, size_t vertices_before,
@@ -153,9 +168,13 @@ class Faces {
     polygon_.clear();
     places_.clear();
     for (absl::string_view word = TakeWord(words); !word.empty() && word[0] != '#'; word = TakeWord(words)) {
-      const auto corner = ParseCorner(word, line, vertices_before_, mesh_.positions);
-      if (!corner.ok()) return corner.status();
-      polygon_.push_back(*corner);
+      uint32_t vertex = 0;
+      if (!ParsePlainCorner(word, mesh_.positions, vertex)) {
+        const auto corner = ParseCorner(word, line, vertices_before_, mesh_.positions);
+        if (!corner.ok()) return corner.status();
+        vertex = *corner;
+      }
+      polygon_.push_back(vertex);
       if (!points_) continue;
       const auto place = points_->Of(word, line);
       if (!place.ok()) return place.status();

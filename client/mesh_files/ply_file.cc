@@ -39,12 +39,15 @@ constexpr PlyNames kAxes{"x", "y", "z"};
 absl::Status ReadVertices(const PlyElement& element, PlyBody& body, Mesh& mesh) {
   if (const char* axis = Missing(element, kAxes)) return Bad("PLY header: element vertex has no property ", axis);
   PlyColors colors(element);
+  std::vector<std::optional<size_t>> axes;  // of each property
+  for (const PlyProperty& property : element.properties) axes.push_back(PositionOf(property, kAxes));
   for (uint64_t n = 0; n < element.count; ++n) {
     body.BeginElement();
     Vec3d position{};
-    for (const PlyProperty& property : element.properties) {
-      if (const auto axis = PositionOf(property, kAxes)) {
-        position[*axis] = body.ReadNumber(property.type);
+    for (size_t p = 0; p < axes.size(); ++p) {
+      const PlyProperty& property = element.properties[p];
+      if (axes[p]) {
+        position[*axes[p]] = body.ReadNumber(property.type);
       } else if (!colors.Read(property, n, body)) {
         SkipProperty(property, body);
       }
@@ -88,16 +91,17 @@ absl::Status FinishFace(const PlyElement& element, uint64_t n, const absl::Statu
 
 absl::Status ReadPlyFaces(const PlyElement& element, PlyBody& body, BadElements& bad, FaceColors& face_colors,
                           Mesh& mesh) {
-  if (std::none_of(element.properties.begin(), element.properties.end(), IsCorners)) {
-    return Bad("PLY header: element face has no list vertex_indices");
-  }
+  std::vector<bool> are_corners;  // of each property
+  for (const PlyProperty& property : element.properties) are_corners.push_back(IsCorners(property));
+  if (std::ranges::count(are_corners, true) == 0) return Bad("PLY header: element face has no list vertex_indices");
   PlyColors colors(element);
   std::vector<double> indices;
   if (colors.exist()) face_colors.of_triangles.resize(mesh.triangles.size());
   for (uint64_t n = 0; n < element.count; ++n) {
     body.BeginElement();
-    for (const PlyProperty& property : element.properties) {
-      if (IsCorners(property)) {
+    for (size_t p = 0; p < are_corners.size(); ++p) {
+      const PlyProperty& property = element.properties[p];
+      if (are_corners[p]) {
         ReadIndices(property, body, indices);
       } else if (!colors.Read(property, n, body)) {
         SkipProperty(property, body);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstring>
 
 #include "absl/strings/match.h"
 #include "absl/strings/string_view.h"
@@ -12,7 +13,10 @@ namespace latvox::client {
 
 // Takes the next word off the front of `rest`. Returns "" at the end.
 inline absl::string_view TakeWord(absl::string_view& rest) {
-  const auto is_space = [](char c) { return c == ' ' || (c >= '\t' && c <= '\r'); };
+  // The first comparison decides on nearly all characters of words.
+  const auto is_space = [](char c) {
+    return static_cast<unsigned char>(c) <= ' ' && (c == ' ' || (c >= '\t' && c <= '\r'));
+  };
   size_t begin = 0;
   while (begin < rest.size() && is_space(rest[begin])) ++begin;
   size_t end = begin;
@@ -31,10 +35,10 @@ class TextLines {
   bool Next(absl::string_view& line) {
     if (rest_.empty()) return false;
     ++number_;
-    const size_t end = has_cr_ ? rest_.find_first_of("\r\n") : rest_.find('\n');
+    const size_t end = has_cr_ ? std::min(rest_.find_first_of("\r\n"), rest_.size()) : FirstNewline();
     line = rest_.substr(0, end);
-    rest_.remove_prefix(std::min(end, rest_.size()));
-    if (!rest_.empty()) rest_.remove_prefix(absl::StartsWith(rest_, "\r\n") ? 2 : 1);
+    rest_.remove_prefix(end);
+    if (!rest_.empty()) rest_.remove_prefix(has_cr_ && absl::StartsWith(rest_, "\r\n") ? 2 : 1);
     return true;
   }
 
@@ -45,6 +49,11 @@ class TextLines {
   absl::string_view rest() const { return rest_; }
 
  private:
+  size_t FirstNewline() const {
+    const void* const newline = std::memchr(rest_.data(), '\n', rest_.size());
+    return newline == nullptr ? rest_.size() : static_cast<size_t>(static_cast<const char*>(newline) - rest_.data());
+  }
+
   absl::string_view rest_;
   bool has_cr_;  // a text without any is read faster
   size_t number_ = 0;

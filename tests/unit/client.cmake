@@ -8,6 +8,7 @@ latvox_add_test(client_tolerance_test SOURCES unit/client/mesh_files/tolerance_t
 latvox_add_test(client_read_mesh_file_test SOURCES unit/client/mesh_files/read_mesh_file_test.cc
                 LIBRARIES latvox::mesh_files GTest::gmock)
 latvox_add_test(client_polygon_test SOURCES unit/client/mesh_files/polygon_test.cc LIBRARIES latvox::mesh_files)
+latvox_add_test(client_number_text_test SOURCES unit/client/mesh_files/number_text_test.cc LIBRARIES latvox::mesh_files)
 foreach(name gltf_test gltf_scene_test)
   latvox_add_test(client_${name} SOURCES unit/client/mesh_files/${name}.cc
                   LIBRARIES latvox::mesh_files nlohmann_json::nlohmann_json GTest::gmock)
