@@ -2,12 +2,14 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
 #include <optional>
 #include <string>
 #include <thread>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -17,6 +19,7 @@
 #include "core/base/simd.h"
 #include "deploy/process/exhaustion.h"
 #include "deploy/process/orderly_end.h"
+#include "server/base/activated_sockets.h"
 #include "server/base/log.h"
 #include "server/base/service_manager.h"
 #include "server/base/signals.h"
@@ -81,8 +84,37 @@ uint64_t AddressesOfThreads(int threads) {
   return (2 * computing + kOthers) * latvox::SpareStacks(kStack);
 }
 
-int Run(const latvox::Configuration& configuration, const latvox::ServiceManager& manager, int argc, char** argv,
-        pid_t first_parent) {
+// What the service manager gave to this process.
+struct Given {
+  const latvox::ServiceManager& manager;
+  std::vector<latvox::ActivatedSocket> sockets;
+};
+
+// Names each address that somebody has set, and that no socket in its place has.
+void LogReplaced(const latvox::Configuration& configuration, const std::vector<std::string>& served) {
+  const auto& settings = configuration.settings;
+  const auto listen =
+      std::find_if(settings.begin(), settings.end(), [](const auto& setting) { return setting.name == "listen"; });
+  if (listen->source == "default") return;
+  for (const std::string& address : configuration.options.server.listen) {
+    if (std::find(served.begin(), served.end(), address) != served.end()) continue;
+    Log(LogLevel::kWarning, "listen_replaced", {{"address", address}, {"by", "LISTEN_FDS"}});
+  }
+}
+
+void LogAddresses(const latvox::VoxelServer& server, const std::vector<latvox::ActivatedSocket>& sockets) {
+  for (size_t n = 0; n < server.addresses().size(); ++n) {
+    std::vector<latvox::LogField> fields = {{"address", server.addresses()[n]}};
+    if (!sockets.empty()) fields.emplace_back("fd", sockets[n].fd);
+    Log(LogLevel::kInfo, "listening", fields);
+  }
+  for (const auto& [event, address] :
+       {std::pair("health", server.health_address()), {"metrics", server.metrics_address()}}) {
+    if (!address.empty()) Log(LogLevel::kInfo, event, {{"address", address}});
+  }
+}
+
+int Run(const latvox::Configuration& configuration, const Given& given, int argc, char** argv, pid_t first_parent) {
   const latvox::ProgramOptions& options = configuration.options;
   // A program between this process and its parent counts as the parent. Without such a program, the parent ended before
   // this process began.
@@ -102,27 +134,25 @@ int Run(const latvox::Configuration& configuration, const latvox::ServiceManager
   RaiseFileLimit(options.exit_with_parent);
   latvox::ConfigurationWatch watch(argc, argv, configuration);
   latvox::ServerOptions watched = options.server;
-  watched.alive = [&manager] { manager.Alive(); };
+  watched.alive = [&given] { given.manager.Alive(); };
+  watched.sockets = given.sockets;
   const auto server = latvox::VoxelServer::Start(watched);
   if (!server.ok()) return Fail(server.status());
   Log(LogLevel::kInfo, "started",
       {{"version", LATVOX_VERSION}, {"simd", std::string{latvox::SimdInUse()}}, {"pid", getpid()}});
-  for (const std::string& address : (*server)->addresses()) Log(LogLevel::kInfo, "listening", {{"address", address}});
-  for (const auto& [event, address] :
-       {std::pair("health", (*server)->health_address()), {"metrics", (*server)->metrics_address()}}) {
-    if (!address.empty()) Log(LogLevel::kInfo, event, {{"address", address}});
-  }
+  LogAddresses(**server, given.sockets);
+  if (!given.sockets.empty()) LogReplaced(configuration, (*server)->addresses());
   watch.Follow();
-  manager.Ready();
+  given.manager.Ready();
   const std::string reason = signals.Wait([&] {
-    manager.Reloading();
+    given.manager.Reloading();
     if (watch.Reload()) {
       (*server)->Reload();
       Log(LogLevel::kInfo, "reloaded", {});
     }
-    manager.Ready();
+    given.manager.Ready();
   });
-  manager.Stopping(options.grace + kLastResort);
+  given.manager.Stopping(options.grace + kLastResort);
   return StopServer(**server, signals, reason, options.grace);
 }
 
@@ -150,7 +180,9 @@ int main(int argc, char** argv) {
     return 0;
   }
   const latvox::ServiceManager manager;
-  const int status = Run(configuration, manager, argc, argv, parent);
+  absl::StatusOr<std::vector<latvox::ActivatedSocket>> sockets = latvox::TakeActivatedSockets();
+  if (!sockets.ok()) return Fail(sockets.status());
+  const int status = Run(configuration, {manager, *std::move(sockets)}, argc, argv, parent);
   latvox::StopLog();
   return status;
 }

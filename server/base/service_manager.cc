@@ -16,14 +16,6 @@
 namespace latvox {
 namespace {
 
-// Returns the variable's value, and removes the variable.
-std::string Take(const char* name) {
-  const char* value = std::getenv(name);
-  std::string taken = value == nullptr ? "" : value;
-  unsetenv(name);
-  return taken;
-}
-
 // Returns 0, or the number of the error.
 int SendTo(const std::string& socket_name, absl::string_view message) {
   sockaddr_un address{};
@@ -43,8 +35,15 @@ int SendTo(const std::string& socket_name, absl::string_view message) {
 
 }  // namespace
 
-ServiceManager::ServiceManager() : socket_(Take("NOTIFY_SOCKET")) {
-  const std::string interval = Take("WATCHDOG_USEC"), process = Take("WATCHDOG_PID");
+std::string TakeVariable(const char* name) {
+  const char* value = std::getenv(name);
+  std::string taken = value == nullptr ? "" : value;
+  unsetenv(name);
+  return taken;
+}
+
+ServiceManager::ServiceManager() : socket_(TakeVariable("NOTIFY_SOCKET")) {
+  const std::string interval = TakeVariable("WATCHDOG_USEC"), process = TakeVariable("WATCHDOG_PID");
   is_watched_ = !interval.empty() && (process.empty() || process == absl::StrCat(getpid()));
 }
 

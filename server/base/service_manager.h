@@ -9,6 +9,9 @@
 
 namespace latvox {
 
+// Returns the value of a variable of the environment, or nothing, and removes the variable. Call it before any thread.
+std::string TakeVariable(const char* name);
+
 // Does nothing without $NOTIFY_SOCKET. Thread-safe. libsystemd would bring four compression libraries along, which the
 // decoders would have to load, too.
 class ServiceManager {

@@ -22,6 +22,17 @@ constexpr double kOtherFiles = 256, kMostConnections = 50'000;
 
 std::atomic<Connections*> guarded = nullptr;
 
+struct GrpcVersion {
+  int major = 0, minor = 0, patch = 0;
+};
+
+// Returns zeros if the text is no version.
+GrpcVersion Parse(const std::string& text) {
+  GrpcVersion version;
+  const int parts = std::sscanf(text.c_str(), "%d.%d.%d", &version.major, &version.minor, &version.patch);
+  return parts == 3 ? version : GrpcVersion{};
+}
+
 }  // namespace
 
 GuardLimits DefaultGuardLimits(int cores, double files, bool behind_proxy) {
@@ -47,8 +58,7 @@ GuardFacts ReadGuardFacts() {
 
 // gRPC 1.53.2, 1.54.3 and 1.55.2 have the fix as well, and so have all later versions.
 bool HasFix(const std::string& version) {
-  int major = 0, minor = 0, patch = 0;
-  if (std::sscanf(version.c_str(), "%d.%d.%d", &major, &minor, &patch) != 3) return false;
+  const auto [major, minor, patch] = Parse(version);
   if (major != 1) return major > 1;
   switch (minor) {
     case 53:
@@ -59,6 +69,16 @@ bool HasFix(const std::string& version) {
     default:
       return minor > 55;
   }
+}
+
+// gRPC 1.51 closes such a connection. Later versions may accept by their EventEngine, which aborts.
+absl::Status CheckTakeover(bool is_guarded, const std::string& version) {
+  constexpr int kLastThatCloses = 51;
+  const auto [major, minor, patch] = Parse(version);
+  if (is_guarded || (major == 1 && minor <= kLastThatCloses)) return absl::OkStatus();
+  return absl::InvalidArgumentError(absl::StrCat(
+      "cannot serve the sockets of LISTEN_FDS: gRPC ", version,
+      " aborts at a connection that is reset before it takes it over, and this build has no guard against that"));
 }
 
 std::string LackOfDefense() {

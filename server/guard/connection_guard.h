@@ -1,8 +1,8 @@
 // The guard before gRPC's connections: it reads what gRPC is about to read, and ends connections that attack the
 // server.
 //
-// gRPC offers no place for it. So this program replaces four functions of the system's libraries that gRPC calls:
-// accept4, recvmsg, close, and SSL_read of OpenSSL; see system_calls.cc. The decision is in
+// gRPC offers no place for it. So this program replaces five functions of the system's libraries that gRPC calls:
+// accept4, getpeername, recvmsg, close, and SSL_read of OpenSSL; see system_calls.cc. The decision is in
 // tests/notes/2026-11-guard.md.
 #ifndef LATVOX_SERVER_GUARD_CONNECTION_GUARD_H_
 #define LATVOX_SERVER_GUARD_CONNECTION_GUARD_H_
@@ -40,6 +40,10 @@ GuardFacts ReadGuardFacts();
 
 // Returns whether this version of gRPC has the fix of CVE-2023-33953, and needs no guard against it.
 bool HasFix(const std::string& version);
+
+// Returns INVALID_ARGUMENT if a client could end the process by a connection that it resets before this version of gRPC
+// takes it over from a socket of a service manager. `guarded`: the guard is in effect, and prevents that.
+absl::Status CheckTakeover(bool guarded, const std::string& version);
 
 // Returns why an anonymous connection can stop this process, or nothing if the guard or gRPC's fix is in effect.
 std::string LackOfDefense();

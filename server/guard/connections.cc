@@ -34,8 +34,9 @@ std::optional<Offense> GuardedStream::Receive(absl::string_view bytes) {
   return offense_;
 }
 
-GuardedConnection::GuardedConnection(const GuardLimits& limits, std::shared_ptr<HostBudget> host, absl::Time now)
-    : stream_(limits, host, now), host_(std::move(host)) {}
+GuardedConnection::GuardedConnection(const GuardLimits& limits, std::shared_ptr<HostBudget> host,
+                                     const sockaddr_storage& peer, absl::Time now)
+    : stream_(limits, host, now), host_(std::move(host)), peer_(peer) {}
 
 std::optional<Offense> GuardedConnection::Receive(absl::string_view bytes) {
   if (bytes.empty()) return std::nullopt;
@@ -61,7 +62,8 @@ std::optional<Offense> Connections::Add(int fd, const sockaddr_storage& address)
   if (host && !host->SpendOnArrival(kAcceptWork, now)) return Offense::kHost;
   // Each connection holds its host twice, with TLS three times.
   if (host && static_cast<size_t>(host.use_count()) > 2 * limits_.connections_per_host) return Offense::kHost;
-  const GuardedConnection* const before = slots_[fd].exchange(new GuardedConnection(limits_, std::move(host), now));
+  const GuardedConnection* const before =
+      slots_[fd].exchange(new GuardedConnection(limits_, std::move(host), address, now));
   if (before == nullptr) ++count_;
   delete before;
   return std::nullopt;
@@ -74,6 +76,12 @@ void Connections::Remove(int fd) {
     delete connection;
     --count_;
   }
+}
+
+std::optional<sockaddr_storage> Connections::PeerOf(int fd) const {
+  if (fd < 0 || static_cast<size_t>(fd) >= slots_.size()) return std::nullopt;
+  const GuardedConnection* const connection = slots_[fd].load();
+  return connection == nullptr ? std::nullopt : std::optional(connection->peer());
 }
 
 std::optional<Offense> Connections::Receive(int fd, absl::string_view bytes) {

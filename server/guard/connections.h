@@ -39,13 +39,15 @@ class GuardedStream {
 // A connection that gRPC has accepted. Its first byte tells whether it is plain text or TLS.
 class GuardedConnection {
  public:
-  GuardedConnection(const GuardLimits& limits, std::shared_ptr<HostBudget> host, absl::Time now);
+  GuardedConnection(const GuardLimits& limits, std::shared_ptr<HostBudget> host, const sockaddr_storage& peer,
+                    absl::Time now);
 
   // Judges the next bytes from the network. Bytes of TLS are not judged here. gRPC ends a connection in plain text that
   // begins like TLS, by its first byte.
   std::optional<Offense> Receive(absl::string_view bytes);
 
   const std::shared_ptr<HostBudget>& host() const { return host_; }
+  const sockaddr_storage& peer() const { return peer_; }
 
  private:
   enum class Kind { kUnknown, kPlain, kTls };
@@ -53,6 +55,7 @@ class GuardedConnection {
   Kind kind_ = Kind::kUnknown;
   GuardedStream stream_;
   const std::shared_ptr<HostBudget> host_;
+  const sockaddr_storage peer_;
 };
 
 // Thread-safe, as far as gRPC uses one descriptor on one thread at a time.
@@ -64,6 +67,9 @@ class Connections {
   // Returns an offense if the new connection must be closed at once. Otherwise it is guarded until `Remove`.
   std::optional<Offense> Add(int fd, const sockaddr_storage& address);
   void Remove(int fd);
+
+  // Returns the address that a connection was added with, also after its peer is gone.
+  std::optional<sockaddr_storage> PeerOf(int fd) const;
 
   // Judges bytes that were read from a descriptor. Descriptors that were not added are never judged.
   std::optional<Offense> Receive(int fd, absl::string_view bytes);

@@ -2,6 +2,7 @@
 // program before it looks in libraries, so gRPC calls these functions. They call the originals.
 #include <dlfcn.h>
 #include <fcntl.h>
+#include <netinet/in.h>
 #include <openssl/err.h>
 #include <openssl/ssl.h>
 #include <sys/socket.h>
@@ -10,6 +11,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
+#include <cstring>
 #include <optional>
 #include <string>
 
@@ -35,6 +37,7 @@ bool IsReplaced(const char* name, Function* ours) {
 }
 
 using AcceptFunction = int(int, sockaddr*, socklen_t*, int);
+using PeerFunction = int(int, sockaddr*, socklen_t*);
 using ReceiveFunction = ssize_t(int, msghdr*, int);
 using CloseFunction = int(int);
 using SslReadFunction = int(SSL*, void*, int);
@@ -50,6 +53,12 @@ bool IsOurProcess() {
   return getpid() == pid;
 }
 
+// Writes a name as accept4 and getpeername do.
+void GiveName(const sockaddr_storage& name, socklen_t length, sockaddr* address, socklen_t* size) {
+  std::memcpy(address, &name, std::min(*size, length));
+  *size = length;
+}
+
 // Accepts without gRPC. gRPC stops listening for good if accept4 fails, except for a few errors (CVE-2023-4785).
 class Acceptor {
  public:
@@ -58,7 +67,10 @@ class Acceptor {
   // Returns the next connection that the guard admits, or -1 with an error after which gRPC goes on listening.
   int Accept(Connections& connections, int listener, sockaddr* address, socklen_t* size, int flags) {
     for (;;) {
-      const int fd = Original(listener, address, size, flags);
+      // A peer that has gone away by now has no name any more, but accept4 still tells it.
+      sockaddr_storage peer{};
+      socklen_t peer_size = sizeof peer;
+      const int fd = Original(listener, reinterpret_cast<sockaddr*>(&peer), &peer_size, flags);
       if (fd < 0) {
         if (errno == EMFILE || errno == ENFILE) {
           if (DropOne(listener)) continue;
@@ -67,11 +79,11 @@ class Acceptor {
         if (IsOfOneConnection(errno)) continue;
         return fd;
       }
-      sockaddr_storage peer{};
-      socklen_t peer_size = sizeof peer;
-      getpeername(fd, reinterpret_cast<sockaddr*>(&peer), &peer_size);
       const std::optional<Offense> offense = connections.Add(fd, peer);
-      if (!offense) return fd;
+      if (!offense) {
+        if (address != nullptr && size != nullptr) GiveName(peer, peer_size, address, size);
+        return fd;
+      }
       connections.Count(*offense);
       Close(fd);
     }
@@ -111,6 +123,24 @@ int Accept(int listener, sockaddr* address, socklen_t* size, int flags) {
   if (connections == nullptr) return Acceptor::Original(listener, address, size, flags);
   static Acceptor& acceptor = *new Acceptor;
   return acceptor.Accept(*connections, listener, address, size, flags);
+}
+
+socklen_t SizeOfName(sa_family_t family) {
+  return family == AF_INET ? sizeof(sockaddr_in) : family == AF_INET6 ? sizeof(sockaddr_in6) : 0;
+}
+
+// Some versions of gRPC abort, or stop listening, if a new connection has no peer any more. With a name they go on, and
+// find the connection's end as they read.
+int PeerName(int fd, sockaddr* address, socklen_t* size) {
+  static PeerFunction* const original = Original<PeerFunction>("getpeername");
+  const int result = original(fd, address, size);
+  Connections* const connections = GuardedConnections();
+  if (result == 0 || errno != ENOTCONN || connections == nullptr) return result;
+  const std::optional<sockaddr_storage> peer = connections->PeerOf(fd);
+  const socklen_t length = peer ? SizeOfName(peer->ss_family) : 0;
+  if (length == 0) return result;
+  GiveName(*peer, length, address, size);
+  return 0;
 }
 
 // Returns the first offense in the bytes that a call has received.
@@ -176,6 +206,8 @@ int accept4(int fd, sockaddr* addr, socklen_t* addr_len, int flags) {
   return latvox::Accept(fd, addr, addr_len, flags);
 }
 
+int getpeername(int fd, sockaddr* addr, socklen_t* len) noexcept { return latvox::PeerName(fd, addr, len); }
+
 ssize_t recvmsg(int fd, msghdr* message, int flags) { return latvox::Receive(fd, message, flags); }
 
 int close(int fd) {
@@ -191,8 +223,8 @@ int SSL_read(SSL* ssl, void* buf, int num) { return latvox::SslRead(ssl, buf, nu
 namespace latvox {
 
 bool SystemCallsAreReplaced() {
-  return IsReplaced("accept4", &accept4) && IsReplaced("recvmsg", &recvmsg) && IsReplaced("close", &close) &&
-         IsReplaced("SSL_read", &SSL_read);
+  return IsReplaced("accept4", &accept4) && IsReplaced("getpeername", &getpeername) &&
+         IsReplaced("recvmsg", &recvmsg) && IsReplaced("close", &close) && IsReplaced("SSL_read", &SSL_read);
 }
 
 }  // namespace latvox

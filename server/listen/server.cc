@@ -27,9 +27,11 @@
 #include "server/decode/decoder_pool.h"
 #include "server/decode/mesh_store.h"
 #include "server/guard/connection_guard.h"
+#include "server/guard/connections.h"
 #include "server/listen/health_server.h"
 #include "server/listen/metrics_server.h"
 #include "server/listen/shares.h"
+#include "server/listen/socket_acceptor.h"
 #include "server/work/memory_budget.h"
 #include "server/work/unfinished_uploads.h"
 #include "server/work/work_lanes.h"
@@ -51,7 +53,8 @@ constexpr absl::Duration kHandshakeTimeout = absl::Seconds(20);
 constexpr int kReflectionThreads = 16;
 
 absl::Status CheckAddresses(const ServerOptions& options) {
-  if (options.listen.empty()) return absl::InvalidArgumentError("there is no address to listen on");
+  const bool has_sockets = !options.sockets.empty();
+  if (options.listen.empty() && !has_sockets) return absl::InvalidArgumentError("there is no address to listen on");
   std::vector<std::string> addresses = options.listen;
   for (const std::string& address : {options.health_listen, options.metrics_listen}) {
     if (!address.empty()) addresses.push_back(address);
@@ -67,11 +70,19 @@ absl::Status CheckAddresses(const ServerOptions& options) {
   return absl::OkStatus();
 }
 
+// Returns the addresses that clients reach the server at.
+std::vector<std::string> ServedAddresses(const ServerOptions& options) {
+  if (options.sockets.empty()) return options.listen;
+  std::vector<std::string> addresses;
+  for (const ActivatedSocket& socket : options.sockets) addresses.push_back(socket.address);
+  return addresses;
+}
+
 // A client certificate protects no address without TLS, which are those of the health service and Unix sockets.
 absl::Status CheckAllExposed(const ServerOptions& options) {
   const std::string lack = LackOfDefense();
   const bool behind_proxy = options.access.behind_proxy, mutual_tls = !options.access.tls.client_ca.empty();
-  for (const std::string& address : options.listen) {
+  for (const std::string& address : ServedAddresses(options)) {
     if (absl::Status status = CheckExposed(address, lack, behind_proxy, mutual_tls); !status.ok()) return status;
   }
   if (options.health_listen.empty()) return absl::OkStatus();
@@ -120,6 +131,8 @@ class Server final : public VoxelServer {
  private:
   void AddMetrics();
   void AddGuardMetrics();
+  absl::Status Open(grpc::ServerBuilder& builder);
+  absl::Status TakeOver(grpc::ServerBuilder& builder);
   absl::Status ListenBesides();
   void Configure(grpc::ServerBuilder& builder) const;
   void Watch();
@@ -143,6 +156,7 @@ class Server final : public VoxelServer {
   std::vector<std::string> addresses_;
   SocketFiles socket_files_;
   std::unique_ptr<grpc::Server> server_;
+  SocketAcceptor acceptor_;  // destroyed before the server
 
   std::mutex stop_mu_;
   std::condition_variable stopped_;
@@ -231,13 +245,28 @@ void Server::Configure(grpc::ServerBuilder& builder) const {
 }
 
 absl::Status Server::Listen() {
-  if (absl::Status status = access_.Open(options_.listen); !status.ok()) return status;
+  if (absl::Status status = access_.Open(ServedAddresses(options_)); !status.ok()) return status;
   if (absl::Status status = CheckAllExposed(options_); !status.ok()) return status;
   if (const std::string lack = LackOfDefense(); !lack.empty()) Log(LogLevel::kWarning, "no_guard", {{"reason", lack}});
   StartGuard(DefaultGuardLimits(threads_, MaxOpenFiles(), options_.access.behind_proxy));
   grpc::ServerBuilder builder;
   Configure(builder);
   builder.RegisterService(&service_);
+  const absl::Status opened = options_.sockets.empty() ? Open(builder) : TakeOver(builder);
+  if (!opened.ok()) return opened;
+  if (absl::Status status = ListenBesides(); !status.ok()) return status;
+  if (access_.certificate_expires()) {
+    metrics_.AddGauge("latvox_tls_certificate_expiry_timestamp_seconds", "When the server's certificate ends.",
+                      [this] { return absl::ToDoubleSeconds(*access_.certificate_expires() - absl::UnixEpoch()); });
+  }
+  access_.Follow();
+  watch_ = std::thread([this] { Watch(); });
+  server_->GetHealthCheckService()->SetServingStatus(v1::Voxelizer::service_full_name(), true);
+  return acceptor_.Start();
+}
+
+// Opens the addresses, and starts gRPC's server.
+absl::Status Server::Open(grpc::ServerBuilder& builder) {
   std::vector<int> ports(options_.listen.size(), -1);
   for (size_t n = 0; n < ports.size(); ++n) {
     const std::string& address = options_.listen[n];
@@ -256,15 +285,18 @@ absl::Status Server::Listen() {
     }
     addresses_.push_back(BoundAddress(options_.listen[n], ports[n]));
   }
-  if (absl::Status status = ListenBesides(); !status.ok()) return status;
-  if (access_.certificate_expires()) {
-    metrics_.AddGauge("latvox_tls_certificate_expiry_timestamp_seconds", "When the server's certificate ends.",
-                      [this] { return absl::ToDoubleSeconds(*access_.certificate_expires() - absl::UnixEpoch()); });
-  }
-  access_.Follow();
-  watch_ = std::thread([this] { Watch(); });
-  server_->GetHealthCheckService()->SetServingStatus(v1::Voxelizer::service_full_name(), true);
   return absl::OkStatus();
+}
+
+// Starts gRPC's server with connections of sockets that are open.
+absl::Status Server::TakeOver(grpc::ServerBuilder& builder) {
+  if (absl::Status status = CheckTakeover(SystemCallsAreReplaced(), grpc::Version()); !status.ok()) return status;
+  for (const ActivatedSocket& socket : options_.sockets) {
+    acceptor_.Add(builder, socket, access_.CredentialsFor(socket.address), options_.keepalive_timeout);
+    addresses_.push_back(socket.address);
+  }
+  server_ = builder.BuildAndStart();
+  return server_ ? absl::OkStatus() : absl::UnavailableError("gRPC cannot serve the sockets of LISTEN_FDS");
 }
 
 // Listens on the addresses for metrics and health.
@@ -322,6 +354,7 @@ void Server::StopWatch() {
 
 bool Server::Stop(absl::Duration grace) {
   if (!server_) return true;
+  acceptor_.Stop();
   server_->GetHealthCheckService()->Shutdown();
   if (health_server_) health_server_->SetNotServing();
   registry_.Close();
@@ -344,7 +377,7 @@ bool Server::Stop(absl::Duration grace) {
 absl::Status VoxelServer::Check(const ServerOptions& options) {
   if (absl::Status status = CheckAddresses(options); !status.ok()) return status;
   if (absl::Status status = WithMemoryShared(options).status(); !status.ok()) return status;
-  if (absl::Status status = Access(options.access).Open(options.listen); !status.ok()) return status;
+  if (absl::Status status = Access(options.access).Open(ServedAddresses(options)); !status.ok()) return status;
   return CheckAllExposed(options);
 }
 

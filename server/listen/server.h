@@ -11,6 +11,7 @@
 #include "absl/time/time.h"
 #include "deploy/manual/build_facts.h"
 #include "server/access/access.h"
+#include "server/base/activated_sockets.h"
 #include "server/base/limits.h"
 #include "server/base/unix_socket.h"
 #include "server/decode/decoder_process.h"
@@ -19,6 +20,7 @@ namespace latvox {
 
 struct ServerOptions {
   std::vector<std::string> listen = {"127.0.0.1:50151"};  // HOST:PORT, port 0 for any free port; or unix:PATH
+  std::vector<ActivatedSocket> sockets;                   // in place of `listen`
   int threads = 0;                                        // for compute; 0: one for each core that control groups allow
   Limits limits;
   AccessOptions access;
@@ -62,8 +64,8 @@ struct ServerOptions {
 class VoxelServer {
  public:
   // Serves when it returns. Errors: INVALID_ARGUMENT (no address, no program for decoder processes, or an error of
-  // Check); UNAVAILABLE naming an address that it cannot listen on, or the reason why decoder processes cannot be
-  // started or confined.
+  // Check); UNAVAILABLE naming an address that it cannot listen on, or the reason why sockets cannot be
+  // served, or decoder processes cannot be started or confined.
   static absl::StatusOr<std::unique_ptr<VoxelServer>> Start(const ServerOptions& options);
 
   // Returns the error of Start that does not depend on listening: INVALID_ARGUMENT naming the option.
@@ -72,7 +74,7 @@ class VoxelServer {
   // Precondition: Stop returned true, or was not called.
   virtual ~VoxelServer() = default;
 
-  // The given addresses, with the ports that were chosen.
+  // The given addresses, with the ports that were chosen; or those of the sockets.
   virtual const std::vector<std::string>& addresses() const = 0;
 
   // The files of all addresses, for a process that ends without destructors.
