@@ -39,6 +39,10 @@ latvox_add_test(server_unfinished_uploads_test SOURCES unit/server/work/unfinish
                 LIBRARIES latvox::server GTest::gmock)
 latvox_add_test(server_mesh_store_test SOURCES unit/server/decode/mesh_store_test.cc
                 LIBRARIES latvox::server GTest::gmock)
+latvox_add_test(server_activated_sockets_test SOURCES unit/server/base/activated_sockets_test.cc
+                LIBRARIES latvox::server GTest::gmock)
+latvox_add_test(server_socket_acceptor_test SOURCES unit/server/listen/socket_acceptor_test.cc
+                LIBRARIES latvox::server latvox_server_meshes GTest::gmock)
 latvox_add_test(server_control_group_test SOURCES unit/server/base/control_group_test.cc LIBRARIES latvox::server)
 latvox_add_test(server_resume_test SOURCES unit/server/calls/resume_test.cc
                 LIBRARIES latvox::server latvox_server_meshes GTest::gmock)
@@ -68,8 +72,8 @@ latvox_add_test(server_process_test UNSANITIZED SOURCES unit/server/listen/proce
 
 # Tests that start the server's program, as a whole or as what decodes meshes.
 foreach(test server_access_call_test server_call_test server_call_end_test server_decoder_pool_test server_decoder_sandbox_test
-             server_message_test server_one_message_test server_process_test server_resume_test server_tiny_job_test
-             server_turns_test)
+             server_message_test server_one_message_test server_process_test server_resume_test server_socket_acceptor_test
+             server_tiny_job_test server_turns_test)
   if(TARGET ${test})
     target_compile_definitions(${test} PRIVATE LATVOXD="$<TARGET_FILE:latvoxd>")
     add_dependencies(${test} latvoxd)

@@ -12,11 +12,14 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tests/unit/server/guard/frames.h"
+#include "tests/unit/server/sockets.h"
 
 namespace latvox {
 namespace {
@@ -184,6 +187,29 @@ TEST(Guard, StandsBeforeGrpc) {
   EXPECT_EQ(ReadGuardFacts().closed[static_cast<size_t>(Offense::kHeaderBlock)], 1U);
 }
 
+// Some versions of gRPC abort if they cannot tell who it was.
+TEST(Guard, KnowsThePeerOfAConnectionThatIsReset) {
+  StartGuard(kLimits);
+  const Socket listener = Socket::ListeningV4();
+  Socket client = listener.Connect("");
+  sockaddr_in own{}, accepted{}, peer{};
+  socklen_t size = sizeof own;
+  ASSERT_EQ(getsockname(client.fd(), reinterpret_cast<sockaddr*>(&own), &size), 0);
+  Socket::Reset(std::move(client));
+  const int fd = accept4(listener.fd(), reinterpret_cast<sockaddr*>(&accepted), &size, SOCK_CLOEXEC);
+  ASSERT_GE(fd, 0);
+  ASSERT_EQ(getpeername(fd, reinterpret_cast<sockaddr*>(&peer), &size), 0);
+  EXPECT_EQ(size, sizeof peer);
+  for (const sockaddr_in& address : {accepted, peer}) {
+    EXPECT_EQ(address.sin_port, own.sin_port);
+    EXPECT_EQ(address.sin_addr.s_addr, own.sin_addr.s_addr);
+  }
+  close(fd);
+  const Socket unconnected(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
+  EXPECT_EQ(getpeername(unconnected.fd(), reinterpret_cast<sockaddr*>(&peer), &size), -1);
+  EXPECT_EQ(errno, ENOTCONN);
+}
+
 // CVE-2023-4785: gRPC stops listening for good when no file is left.
 TEST(Guard, GoesOnListeningAfterFilesRanOut) {
   const GuardedServer server;
@@ -229,6 +255,16 @@ TEST(GuardLimits, OfAHostAreAPartOfTheMachineAndAllOfItBehindAProxy) {
   EXPECT_EQ(proxied.work_per_host, 16 * kSecond);
   EXPECT_EQ(limits.connections_per_host, limits.connections / 2);
   EXPECT_EQ(proxied.connections_per_host, proxied.connections);
+}
+
+TEST(GrpcVersion, TakesConnectionsOverOrNot) {
+  EXPECT_TRUE(CheckTakeover(false, "1.51.1").ok());
+  EXPECT_TRUE(CheckTakeover(true, "1.60.0").ok());
+  for (const char* aborts : {"1.52.0", "1.60.0", "2.0.0", ""}) {
+    const absl::Status refused = CheckTakeover(false, aborts);
+    EXPECT_EQ(refused.code(), absl::StatusCode::kInvalidArgument) << aborts;
+    EXPECT_THAT(std::string{refused.message()}, HasSubstr("LISTEN_FDS"));
+  }
 }
 
 TEST(GrpcVersion, HasTheFixOrNot) {
