@@ -24,10 +24,11 @@ BUNNY = "/usr/share/glmark2/models/bunny.obj"
 ADDRESS = "127.0.0.1:50151"
 MULTIARCH = run("dpkg-architecture", f"-a{ARCHITECTURE}", "-qDEB_HOST_MULTIARCH").stdout.strip()
 UNIT = "/usr/lib/systemd/system/latvoxd.service"
+SOCKET = "/usr/lib/systemd/system/latvoxd.socket"
 FILES = {
     "latvox": {"/usr/bin/latvox", f"/usr/lib/{MULTIARCH}/latvox/latvox-vdb.so", "/usr/share/man/man1/latvox.1.gz", "/usr/share/bash-completion/completions/latvox",
                "/usr/share/zsh/site-functions/_latvox", "/usr/share/fish/vendor_completions.d/latvox.fish"},
-    "latvoxd": {"/usr/bin/latvoxd", "/usr/share/man/man8/latvoxd.8.gz", UNIT, "/etc/latvox/latvoxd.toml",
+    "latvoxd": {"/usr/bin/latvoxd", "/usr/share/man/man8/latvoxd.8.gz", UNIT, SOCKET, "/etc/latvox/latvoxd.toml",
                 "/usr/share/doc/latvoxd/examples/credentials.conf"},
     "liblatvox-dev": {"/usr/include/latvox/client.h", "/usr/share/latvox/proto/latvox/v1/voxelizer.proto"},
     "python3-latvox": {"/usr/lib/python3/dist-packages/latvox/__init__.py"},
@@ -119,7 +120,7 @@ class Installed(InRoot):
         self.assertGreater(int(self.root.run("python3", "-c", script).stdout), 1000)
 
     def test_the_unit_is_confined(self):
-        self.root.run("systemd-analyze", "verify", "--man=no", UNIT)
+        self.root.run("systemd-analyze", "verify", "--man=no", UNIT, SOCKET)
         score = self.root.run("systemd-analyze", "security", "--offline=yes", "--no-pager", UNIT).stdout
         exposure = float(re.search(r"Overall exposure level for latvoxd.service: (\S+)", score)[1])
         print(f"packages: systemd-analyze security finds an exposure of {exposure}")
@@ -127,7 +128,7 @@ class Installed(InRoot):
 
     def test_the_service_under_systemd(self):
         with self.root.systemd():
-            for step in (self.it_serves, self.it_reloads, self.it_drains, self.it_is_watched, self.it_has_credentials):
+            for step in (self.it_starts_with_the_first_client, self.it_serves, self.it_reloads, self.it_drains, self.it_is_watched, self.it_has_credentials):
                 with self.subTest(step.__name__):
                     step()
 
@@ -143,6 +144,23 @@ class Installed(InRoot):
         (folder / name).write_text(text)
         self.addCleanup((folder / name).unlink)
         self.root.shell("systemctl daemon-reload; systemctl restart latvoxd")
+
+    def it_starts_with_the_first_client(self):
+        """Its socket outlives it, so no client finds nobody. `latvoxd.toml` has the same address, so there is no warning."""
+        ask = ["latvox", "limits", "--server", ADDRESS]
+        self.root.run("systemctl", "start", "latvoxd.socket")
+        self.assertEqual(self.show("ActiveState"), "inactive")
+        for starts in (1, 2):
+            self.assertIn("max_jobs", self.root.run(*ask).stdout)
+            await_true("the service does not start", lambda: self.show("ActiveState") == "active", 30)
+            await_true("no socket", lambda: self.journal().count(f"event=listening address={ADDRESS} fd=3") == starts, 30)
+            self.root.run("systemctl", "stop", "latvoxd")
+        self.root.run("systemctl", "start", "latvoxd")
+        self.root.run("systemctl", "restart", "latvoxd")
+        self.root.run("latvox", "voxelize", BUNNY, "--resolution", "64", "--server", ADDRESS, "-o", "/tmp/s.vdb")
+        self.root.run("systemctl", "stop", "latvoxd.socket", "latvoxd")
+        self.assertEqual(self.show("Result"), "success")
+        self.assertNotEqual(self.root.run(*ask, "--timeout", "2", check=False).returncode, 0)
 
     def it_serves(self):
         self.root.run("systemctl", "start", "latvoxd")
@@ -207,9 +225,10 @@ class Lifecycle(InRoot):
 
     def test_nothing_is_left(self):
         with self.root.systemd():
-            self.assertEqual(self.systemctl("is-enabled"), "disabled")
-            self.assertEqual(self.systemctl("is-active"), "inactive")
-            self.root.run("systemctl", "enable", "--now", "latvoxd")
+            for unit in ("latvoxd.service", "latvoxd.socket"):
+                self.assertEqual(self.systemctl("is-enabled", unit), "disabled")
+                self.assertEqual(self.systemctl("is-active", unit), "inactive")
+            self.root.run("systemctl", "enable", "--now", "latvoxd.socket", "latvoxd.service")
             self.upgrade()
             self.remove()
             self.root.shell("apt-get purge -y -qq latvox latvoxd python3-latvox; apt-get autoremove -y -qq --purge "
@@ -221,8 +240,8 @@ class Lifecycle(InRoot):
         self.assertEqual({path for path in after - before if not re.match(THEIRS, path)}, set())
         self.assertEqual({path for path in before - after if not re.match(THEIRS, path)}, set())
 
-    def systemctl(self, question):
-        return self.root.run("systemctl", question, "latvoxd", check=False).stdout.strip()
+    def systemctl(self, question, unit="latvoxd.service"):
+        return self.root.run("systemctl", question, unit, check=False).stdout.strip()
 
     def upgrade(self):
         """To packages that differ by their version alone: a server that runs is a new one, and its configuration stays."""
@@ -238,6 +257,7 @@ class Lifecycle(InRoot):
         self.root.shell("apt-get install -y -qq /packages/new-*.deb", timeout=300)
         self.assertNotEqual(self.root.run("systemctl", "show", "--value", "--property=MainPID", "latvoxd").stdout, first)
         self.assertEqual(self.systemctl("is-active"), "active")
+        self.assertEqual(self.systemctl("is-active", "latvoxd.socket"), "active")
         self.assertRegex(self.root.run("latvox", "limits", "--server", ADDRESS).stdout, r"max_jobs +7\b")
         for _ in range(2):
             self.root.run("/var/lib/dpkg/info/latvoxd.postinst", "configure", "0")
@@ -247,6 +267,8 @@ class Lifecycle(InRoot):
         """Ends the service and keeps its configuration, with which it comes back."""
         self.root.shell("apt-get remove -y -qq latvox latvoxd python3-latvox", timeout=300)
         self.assertEqual(self.root.run("pgrep", "latvoxd", check=False).stdout, "")
+        knock = f": <>/dev/tcp/{ADDRESS.replace(':', '/')}"
+        self.assertNotEqual(self.root.run("bash", "-c", knock, check=False).returncode, 0, "the socket is still open")
         self.assertIn("max-jobs = 7", (self.root.path / "etc/latvox/latvoxd.toml").read_text())
         self.root.shell("apt-get install -y -qq /packages/new-*.deb; systemctl start latvoxd", timeout=300)
         self.assertRegex(self.root.run("latvox", "limits", "--server", ADDRESS).stdout, r"max_jobs +7\b")
