@@ -206,6 +206,8 @@ std::string ManPageOf(CommandFacts facts) {
        "latvoxd serves the protocol latvox.v1 until SIGTERM or SIGINT. The first signal lets running jobs\n"
        "end.\n"
        "\n"
+       "Sockets that systemd passes by LISTEN_FDS take the place of --listen.\n"
+       "\n"
        "Each option is also an environment variable and a key of the configuration file, except\n"
        "--check-config, --man and --parent-pid. The command line overrides the environment, and the\n"
        "environment overrides the file.\n"
