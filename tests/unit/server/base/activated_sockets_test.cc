@@ -89,7 +89,7 @@ TEST(ActivatedSockets, HaveAddressesOfIpV6InBrackets) {
 
 TEST(ActivatedSockets, OfAnotherProcessAreLeftAlone) {
   const Socket v4 = Socket::ListeningV4();
-  const Passed passed({&v4}, getppid());
+  const Passed passed({&v4}, getpid() + 1);
   const auto sockets = TakeActivatedSockets();
   ASSERT_TRUE(sockets.ok()) << sockets.status();
   EXPECT_TRUE(sockets->empty());
