@@ -132,7 +132,7 @@ if(NOT latvox_sanitized)
                            RUN_SERIAL ON SKIP_RETURN_CODE 77 TIMEOUT 1800)
   endforeach()
   latvox_add_system_test(deploy.packages "${latvox_python};deploy/packages_test.py" LABELS deploy RUN_SERIAL ON
-                         SKIP_RETURN_CODE 77 TIMEOUT 1200)
+                         SKIP_RETURN_CODE 77 TIMEOUT 3600)
   latvox_add_system_test(deploy.tarball_roots "${latvox_python};deploy/tarball_roots_test.py" LABELS deploy RUN_SERIAL ON
                          SKIP_RETURN_CODE 77 TIMEOUT 1800)
   latvox_add_system_test(deploy.scale_measure "${latvox_python};deploy/scale_measure_test.py" LABELS deploy RUN_SERIAL ON)

@@ -79,7 +79,7 @@ def make_root():
     names = {word.split()[0] for word in depends.split(",")} - set(INSTALLED)
     wanted = "\n".join(sorted(names) + list(NEEDED))
     kept = ROOT / "unpacked"
-    if kept.exists() and kept.read_text() == wanted:
+    if debian_root.is_recent(kept) and kept.read_text() == wanted:
         return
     debian_root.require_programs("arm", "mmdebstrap")
     run(REPOSITORY / "deploy/packaging/arm64/unpack", ROOT, *wanted.split(), timeout=1800)

@@ -106,9 +106,8 @@ class Languages(harness.Case):
     def test_rust(self):
         if os.geteuid() != 0:
             self.skipTest("a system with Rust's gRPC library needs root")
-        if not RUST_ARCHIVE.exists():
-            debian_root.bootstrap(RUST_ARCHIVE, f"--include={','.join(RUST_PACKAGES)}", release="sid")
-        root = debian_root.Root(self.dir / "debian", RUST_ARCHIVE)
+        archive = debian_root.archive(RUST_ARCHIVE, f"--include={','.join(RUST_PACKAGES)}", release="sid")
+        root = debian_root.Root(self.dir / "debian", archive)
         folder = root.path / PROGRAMS.relative_to("/")
         shutil.copytree(PROGRAMS, folder)
         shutil.copytree(ROOT / "proto", root.path / (ROOT / "proto").relative_to("/"))

@@ -1,6 +1,6 @@
 """The Debian packages of build/packages: judged by lintian, then installed, used, upgraded, removed and purged in a fresh
-Debian, with systemd as its process 1. `tests/run --packages` makes the packages first. LATVOX_DEBIAN, if set, is another
-release: those of build/RELEASE/packages. LATVOX_ARCHITECTURE=arm64 are those of build/arm64/packages."""
+Debian, with systemd as its process 1. `tests/run --packages` makes the packages first. LATVOX_DEBIAN, if set, is the
+release of build/RELEASE/packages. LATVOX_ARCHITECTURE=arm64 are those of build/arm64/packages."""
 
 import json
 import os
@@ -16,9 +16,7 @@ from debian_root import ROOT, STATE, Root, await_true, run
 
 OWN_ARCHITECTURE = run("dpkg", "--print-architecture").stdout.strip()
 ARCHITECTURE = os.environ.get("LATVOX_ARCHITECTURE", OWN_ARCHITECTURE)
-OTHER = ("" if debian_root.RELEASE == debian_root.OWN_RELEASE else debian_root.RELEASE,
-         "" if ARCHITECTURE == OWN_ARCHITECTURE else ARCHITECTURE)  # fmt: skip
-PACKAGES = pathlib.Path(ROOT, "build", *OTHER, "packages")
+PACKAGES = pathlib.Path(ROOT, "build", os.environ.get("LATVOX_DEBIAN", ""), "" if ARCHITECTURE == OWN_ARCHITECTURE else ARCHITECTURE, "packages")
 NAMES = ("latvox", "latvoxd", "liblatvox-dev", "python3-latvox")
 BUNNY = "/usr/share/glmark2/models/bunny.obj"
 ADDRESS = "127.0.0.1:50151"
@@ -27,12 +25,13 @@ UNIT = "/usr/lib/systemd/system/latvoxd.service"
 SOCKET = "/usr/lib/systemd/system/latvoxd.socket"
 FILES = {
     "latvox": {"/usr/bin/latvox", f"/usr/lib/{MULTIARCH}/latvox/latvox-vdb.so", "/usr/share/man/man1/latvox.1.gz", "/usr/share/bash-completion/completions/latvox",
-               "/usr/share/zsh/site-functions/_latvox", "/usr/share/fish/vendor_completions.d/latvox.fish"},
-    "latvoxd": {"/usr/bin/latvoxd", "/usr/share/man/man8/latvoxd.8.gz", UNIT, SOCKET, "/etc/latvox/latvoxd.toml",
-                "/usr/share/doc/latvoxd/examples/credentials.conf"},
+               "/usr/share/zsh/site-functions/_latvox", "/usr/share/fish/vendor_completions.d/latvox.fish",
+               "/usr/bin/latvoxd", "/usr/share/man/man8/latvoxd.8.gz"},
+    "latvoxd": {UNIT, SOCKET, "/etc/latvox/latvoxd.toml", "/usr/share/doc/latvoxd/examples/credentials.conf"},
     "liblatvox-dev": {"/usr/include/latvox/client.h", "/usr/share/latvox/proto/latvox/v1/voxelizer.proto"},
     "python3-latvox": {"/usr/lib/python3/dist-packages/latvox/__init__.py"},
 }  # fmt: skip
+OUTSIDE = "192.0.2.7"  # an address that no machine has
 METRICS = "import urllib.request as r; print(r.urlopen('http://127.0.0.1:9464/metrics').read().decode())"
 # Files that apt, dpkg, ldconfig and systemd keep for themselves after a package is gone.
 THEIRS = r"/var/(cache|log|lib/(apt|dbus|dpkg|systemd))/|/etc/(machine-id|ld\.so\.cache|\.pwd\.lock|hosts)|/(etc|var)/\.updated|.*/__pycache__"
@@ -54,9 +53,28 @@ def contents(path):
     return {words[5].split(" -> ")[0].removeprefix("."): (words[0], words[1]) for words in lines}
 
 
+def debian():
+    return STATE / f"{debian_root.RELEASE}.tar"
+
+
+def repacked(name, change, folder, target):
+    """Packs a package's files again, after `change` of its unpacked folder and of the text of its control file."""
+    tree = folder / name
+    run("dpkg-deb", "--raw-extract", package(name), tree)
+    control = tree / "DEBIAN/control"
+    control.write_text(change(tree, control.read_text()))
+    run("dpkg-deb", "--build", tree, target)
+    shutil.rmtree(tree)
+
+
+def newer(_, control):
+    version = re.search(r"^Version: (.*)$", control, re.M)[1]
+    return control.replace(version, version + "+1")
+
+
 def fresh(directory, name):
     """Unpacks a fresh Debian with the packages in /packages."""
-    root = Root(pathlib.Path(directory) / name, STATE / f"{debian_root.RELEASE}.tar")
+    root = Root(pathlib.Path(directory) / name, debian())
     (root.path / "packages").mkdir()
     for each in NAMES:
         shutil.copy(package(each), root.path / "packages")
@@ -81,39 +99,137 @@ class Packages(unittest.TestCase):
 
     def test_dependencies_are_those_of_the_programs(self):
         facts = {name: fields(name) for name in NAMES}
-        for name, library in ("latvox", "libopenvdb"), ("latvoxd", "libgrpc++"), ("python3-latvox", "libgrpc++"):
+        for name, library in ("latvox", "libopenvdb"), ("latvox", "libgrpc++"), ("python3-latvox", "libgrpc++"):
             self.assertRegex(facts[name]["Depends"], rf"\b{re.escape(library)}\S* \(>= ")
-        for name in "latvoxd", "python3-latvox":  # the latter has the module of latvox load it
-            self.assertNotIn("openvdb", facts[name]["Depends"])
+        self.assertNotIn("openvdb", facts["python3-latvox"]["Depends"])  # it has the module of latvox load it
         version = facts["latvox"]["Version"]
         self.assertEqual({each["Version"] for each in facts.values()}, {version})
         self.assertEqual({each["Architecture"] for each in facts.values()}, {ARCHITECTURE})
-        self.assertIn(f"latvoxd (= {version})", facts["latvox"]["Depends"])
+        self.assertNotIn("latvoxd", facts["latvox"]["Depends"])
+        self.assertEqual(facts["latvoxd"]["Depends"], f"latvox (= {version})")
+        self.assertIn(f"latvox (= {version})", facts["python3-latvox"]["Depends"])
         self.assertRegex(facts["python3-latvox"]["Depends"], r"python3 \(>= 3\.\d+\), python3 \(<< 3\.\d+\)")
 
 
 class InRoot(unittest.TestCase):
+    # Recommended packages of libraries would stay, because others suggest them.
+    install = "apt-get install -y -qq --no-install-recommends /packages/{latvox,latvoxd,python3-latvox}_*.deb"
+
     @classmethod
     def setUpClass(cls):
         cls.dir = pathlib.Path(cls.enterClassContext(tempfile.TemporaryDirectory(prefix="root-", dir=STATE / "work")))
         cls.root = fresh(cls.dir, "debian")
         cls.before = cls.root.files()
         cls.root.run("apt-get", "update", "-qq")
-        # Recommended packages of libraries would stay, because others suggest them.
-        cls.root.shell("apt-get install -y -qq --no-install-recommends /packages/{latvox,latvoxd,python3-latvox}_*.deb", timeout=600)
+        cls.root.shell(cls.install, timeout=1200)
+
+
+class AsTheReadmeSays(InRoot):
+    """The tool alone, with apt's own settings."""
+
+    install = "cd /packages; apt-get install -y ./latvox_*.deb"
+
+    def test_the_first_command_of_the_readme_makes_its_file(self):
+        block, told = re.search(r"^## Three commands$.*?^```sh\n(.*?)^```.*?^```text\n(.*?)^```", (ROOT / "README.md").read_text(), re.M | re.S).groups()
+        self.assertIn("-o bunny.vdb", block)
+        done = self.root.shell(f"cd /tmp; {block} latvox info bunny.vdb", timeout=60)
+        digest = re.search(r"digest (\w{32})", told)[1]
+        self.assertIn(f"latvox_digest = {digest}", done.stdout)
+
+    def test_the_libraries_that_a_call_loads_late_are_there(self):
+        self.root.shell(f"cd /tmp; latvox voxelize {BUNNY} --resolution 64 -o a.h5; latvox info a.h5", timeout=60)
+        refused = self.root.run("latvox", "voxelize", "http://127.0.0.1:1/a.obj", "-o", "/tmp/a.csv", check=False)
+        self.assertNotEqual(refused.returncode, 0)
+        self.assertIn("127.0.0.1", refused.stderr)
+        self.assertNotIn("cannot be loaded", refused.stderr)
+
+    def test_the_server_needs_no_other_package(self):
+        self.assertIn("latvoxd", self.root.run("latvoxd", "--version").stdout)
+        self.assertFalse((self.root.path / UNIT[1:]).exists())
+
+
+class Moved(InRoot):
+    """Older packages, whose latvoxd had the server itself."""
+
+    install = "true"
+
+    @staticmethod
+    def older(control):
+        version = re.search(r"^Version: (.*)$", control, re.M)[1]
+        return re.sub(r"^(?:Breaks|Replaces|Recommends): .*\n", "", control.replace(version, "0.0.1-1"), flags=re.M)
+
+    def old_tool(self, tree, control):
+        for file in "bin/latvoxd", "share/man/man8/latvoxd.8.gz":
+            (self.dir / pathlib.Path(file).name).write_bytes((tree / "usr" / file).read_bytes())
+            (tree / "usr" / file).unlink()
+        return self.older(control)
+
+    def old_server(self, tree, control):
+        for file in "bin/latvoxd", "share/man/man8/latvoxd.8.gz":
+            (tree / "usr" / file).parent.mkdir(parents=True)
+            shutil.copy(self.dir / pathlib.Path(file).name, tree / "usr" / file)
+        return self.older(control)
+
+    def test_the_server_moves_in_an_upgrade(self):
+        for name, change in ("latvox", self.old_tool), ("latvoxd", self.old_server):
+            repacked(name, change, self.dir, self.root.path / f"packages/old-{name}.deb")
+        self.root.shell("apt-get install -y -qq --no-install-recommends /packages/old-*.deb", timeout=600)
+        self.assertIn("latvoxd:", self.root.run("dpkg", "--search", "/usr/bin/latvoxd").stdout)
+        self.root.shell("apt-get install -y -qq --no-install-recommends /packages/{latvox,latvoxd}_*.deb", timeout=600)
+        self.assertIn("latvox:", self.root.run("dpkg", "--search", "/usr/bin/latvoxd").stdout)
+        self.assertEqual(self.root.run("dpkg", "--verify", "latvox", "latvoxd").stdout, "")
+
+
+class Sdk(InRoot):
+    """The C++ library: used by CMake and by pkg-config, then upgraded and purged."""
+
+    install = "apt-get install -y -qq --no-install-recommends cmake g++ ninja-build glmark2-data"
+
+    def test_the_library(self):
+        before = self.root.files()
+        self.root.shell("apt-get install -y -qq --no-install-recommends /packages/{latvox,liblatvox-dev}_*.deb", timeout=1200)
+        self.it_builds_all_examples()
+        self.it_builds_by_pkg_config()
+        for name in "latvox", "liblatvox-dev":
+            repacked(name, newer, self.dir, self.root.path / f"packages/new-{name}.deb")
+        self.root.shell("apt-get install -y -qq --no-install-recommends /packages/new-*.deb", timeout=300)
+        self.assertRegex(self.root.run("dpkg", "--list", "liblatvox-dev").stdout, r"(?m)^ii +liblatvox-dev.*\+1 ")
+        self.assertEqual(self.root.run("dpkg", "--verify", "latvox", "liblatvox-dev").stdout, "")
+        self.root.shell("apt-get purge -y -qq latvox liblatvox-dev; apt-get autoremove -y -qq --purge "
+                        "-o APT::AutoRemove::SuggestsImportant=false", timeout=600)
+        for file in self.root.path.glob("packages/new-*.deb"):
+            file.unlink()
+        self.assertEqual({path for path in self.root.files() ^ before if not re.match(THEIRS, path)}, set())
+
+    def it_builds_all_examples(self):
+        self.root.shell("cmake -S /usr/share/doc/latvox/examples -B /tmp/build -G Ninja -DCMAKE_CXX_FLAGS=-O1; cmake --build /tmp/build",
+                        timeout=1800)
+        named = set(re.findall(r"[\w/]+", re.search(r"foreach\(example (.*?)\)", (ROOT / "client/examples/CMakeLists.txt").read_text())[1]))
+        built = {path.name for path in (self.root.path / "tmp/build").iterdir() if path.is_file() and os.access(path, os.X_OK)}
+        self.assertEqual(built, {name.rpartition("/")[2] for name in named} | {"to_vdb"})
+        self.lines = self.root.run("/tmp/build/mesh_file", BUNNY, "40").stdout.splitlines()
+        self.assertGreater(len(self.lines), 1000)
+
+    def it_builds_by_pkg_config(self):
+        for example, name in ("mesh_file", "latvox-mesh-files"), ("to_vdb", "latvox-grid"):
+            words = f"g++ -std=c++20 -o /tmp/{example} /usr/share/doc/latvox/examples/{example}.cc"
+            self.root.shell(f"{words} $(pkg-config --static --cflags --libs {name})", timeout=600)
+        self.assertEqual(self.root.run("/tmp/mesh_file", BUNNY, "40").stdout.splitlines(), self.lines)
 
 
 class Installed(InRoot):
     """Programs in use, without systemd, then the service under systemd."""
 
+    install = InRoot.install + " glmark2-data"
+
     def test_files_are_as_they_were_packed(self):
         self.assertEqual(self.root.run("dpkg", "--verify", "latvox", "latvoxd", "python3-latvox").stdout, "")
 
-    def test_the_first_command_of_the_readme_makes_its_file(self):
-        block = re.search(r"^## Three commands$.*?^```sh\n(.*?)^```", (ROOT / "README.md").read_text(), re.M | re.S)[1]
-        self.assertIn("-o bunny.vdb", block)
-        done = self.root.shell(f"cd /tmp; {block} latvox info bunny.vdb", timeout=60)
-        self.assertIn("172367", done.stdout.replace(",", ""))
+    def test_a_missing_library_is_named_with_its_package(self):
+        for words, name in (["http://127.0.0.1:1/a.obj", "-o", "/tmp/a.csv"], "libcurl4"), ([BUNNY, "-o", "/tmp/a.h5"], "libhdf5-"):
+            refused = self.root.run("latvox", "voxelize", *words, check=False)
+            self.assertNotEqual(refused.returncode, 0)
+            self.assertRegex(refused.stderr, rf"cannot be loaded \(.*\(Debian 12: {name}")
 
     def test_python_voxelizes_and_reads_foreign_files(self):
         script = f"import latvox; v = latvox.voxelize('{BUNNY}', resolution=64); v.save('/tmp/v.vdb'); print(len(v))"
@@ -128,7 +244,8 @@ class Installed(InRoot):
 
     def test_the_service_under_systemd(self):
         with self.root.systemd():
-            for step in (self.it_starts_with_the_first_client, self.it_serves, self.it_reloads, self.it_drains, self.it_is_watched, self.it_has_credentials):
+            for step in (self.it_starts_with_the_first_client, self.it_serves, self.it_reloads, self.it_drains,
+                         self.it_is_watched, self.it_has_a_folder_for_a_socket, self.it_waits_for_its_address, self.it_has_credentials):  # fmt: skip
                 with self.subTest(step.__name__):
                     step()
 
@@ -138,12 +255,12 @@ class Installed(InRoot):
     def journal(self):
         return self.root.run("journalctl", "--no-pager", "--unit=latvoxd").stdout
 
-    def drop_in(self, name, text):
+    def drop_in(self, name, text, *how):
         folder = self.root.path / "etc/systemd/system/latvoxd.service.d"
         folder.mkdir(exist_ok=True)
         (folder / name).write_text(text)
         self.addCleanup((folder / name).unlink)
-        self.root.shell("systemctl daemon-reload; systemctl restart latvoxd")
+        self.root.shell(f"systemctl daemon-reload; systemctl restart {' '.join(how)} latvoxd")
 
     def it_starts_with_the_first_client(self):
         """Its socket outlives it, so no client finds nobody. `latvoxd.toml` has the same address, so there is no warning."""
@@ -173,8 +290,8 @@ class Installed(InRoot):
         self.assertNotIn("level=warning", self.journal())
 
     def it_reloads(self):
-        self.root.run("systemctl", "reload", "latvoxd")
-        self.assertIn("event=reloaded", self.journal())
+        self.root.run("systemctl", "reload", "latvoxd")  # sends a signal, and does not wait
+        await_true("it does not read its configuration", lambda: "event=reloaded" in self.journal())
         self.assertEqual(self.show("ActiveState"), "active")
 
     def it_drains(self):
@@ -219,6 +336,20 @@ class Installed(InRoot):
         self.assertNotEqual(refused.returncode, 0)
         self.assertIn("token", refused.stderr)
 
+    def it_has_a_folder_for_a_socket(self):
+        self.drop_in("socket.conf", "[Service]\nEnvironment=LATVOX_LISTEN=unix:/run/latvoxd/socket\nUMask=0111\n")
+        ask = ["latvox", "limits", "--server", "unix:/run/latvoxd/socket"]
+        self.assertIn("max_jobs", self.root.run("setpriv", "--reuid=nobody", "--clear-groups", *ask).stdout)
+
+    def it_waits_for_its_address(self):
+        """More often than systemd by itself would try."""
+        self.drop_in("address.conf", f"[Service]\nEnvironment=LATVOX_LISTEN={OUTSIDE}:50151\n", "--no-block")
+        await_true("it gives up", lambda: int(self.show("NRestarts")) >= 6, 60)
+        _, leader, *_ = self.root.inside
+        run("nsenter", leader, "--net", "ip", "address", "add", f"{OUTSIDE}/32", "dev", "lo")
+        await_true("it does not start", lambda: self.show("ActiveState") == "active", 30)
+        self.drop_in("later.conf", "[Service]\nEnvironment=LATVOX_LISTEN=127.0.0.1:50151\n")
+
 
 class Lifecycle(InRoot):
     """Upgraded, removed and purged while the service runs."""
@@ -248,11 +379,7 @@ class Lifecycle(InRoot):
         settings = self.root.path / "etc/latvox/latvoxd.toml"
         settings.write_text(settings.read_text() + "max-jobs = 7\n")
         for name in ("latvox", "latvoxd", "python3-latvox"):
-            version, tree = fields(name)["Version"], self.dir / name
-            run("dpkg-deb", "--raw-extract", package(name), tree)
-            control = tree / "DEBIAN/control"
-            control.write_text(control.read_text().replace(version, version + "+1"))
-            run("dpkg-deb", "--build", tree, self.root.path / f"packages/new-{name}.deb")
+            repacked(name, newer, self.dir, self.root.path / f"packages/new-{name}.deb")
         first = self.root.run("systemctl", "show", "--value", "--property=MainPID", "latvoxd").stdout
         self.root.shell("apt-get install -y -qq /packages/new-*.deb", timeout=300)
         self.assertNotEqual(self.root.run("systemctl", "show", "--value", "--property=MainPID", "latvoxd").stdout, first)
@@ -275,13 +402,11 @@ class Lifecycle(InRoot):
 
 
 def prepare():
-    debian_root.require_programs("package", "mmdebstrap", "lintian", "systemd-nspawn", "nsenter", "unshare", "openssl")
+    debian_root.require_programs("package", "mmdebstrap", "lintian", "systemd-nspawn", "nsenter", "unshare", "openssl", "ip")
     if len(list(PACKAGES.glob("*.deb"))) != len(NAMES):
-        debian_root.skip("there are no packages: deploy/packaging/build makes them")
-    archive = STATE / f"{debian_root.RELEASE}.tar"
+        debian_root.skip(f"{PACKAGES} has not the {len(NAMES)} packages: deploy/packaging/build makes them")
     (STATE / "work").mkdir(parents=True, exist_ok=True)
-    if not archive.exists():
-        debian_root.bootstrap(archive, "--include=systemd,systemd-sysv,dbus,glmark2-data,procps")
+    debian_root.require_systemd(debian_root.archive(debian(), "--include=systemd,systemd-sysv,dbus,procps"))
 
 
 if __name__ == "__main__":

@@ -1,18 +1,23 @@
-"""deploy/release refuses a commit that is not ready, and names the reason. Each test has a repository of its own.
+"""deploy/release refuses a commit that is not ready, and names the reason. Each test has a repository of its own. And
+deploy/packages has all that it needs.
 
 The script and the check of the protocol are the real ones. Programs that would build for minutes are stubs, which write
 small files. buf is the real one where a protocol changes, because its start takes half a second.
 """
 
+import ast
 import hashlib
 import os
 import pathlib
 import platform
+import re
 import shutil
 import subprocess
+import sys
 import tarfile
 import tempfile
 import unittest
+import unittest.mock
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 BUF = ROOT / "tests/node/node_modules/.bin/buf"
@@ -22,7 +27,7 @@ RELEASED = "proto/released/latvox/v1/voxelizer.proto"
 STUBS = {
     "deploy/install-packages": "",
     "deploy/packaging/build": 'tree=build${1:+/$1}/packages; mkdir -p $tree/docs; cd $tree; touch latvox_${1:-own}.deb docs/index.html; echo libcurl.so.4 >late_libraries.txt',
-    "deploy/packaging/in-debian": 'mkdir -p build/$1/packages; touch "build/$1/packages/latvox_$1.deb"; [[ $2 == *build ]] || LATVOX_TREE=build/$1/packages $2',
+    "deploy/packaging/in-debian": 'mkdir -p build/$1/packages; touch "build/$1/packages/latvox_$1.deb"; [[ $2 == *build ]] || LATVOX_TREE=build/$1/packages "${@:2}"',
     "deploy/packaging/tarball": 'touch "${LATVOX_TREE:-build/packages}/latvox-0-linux-$(uname -m).tar.gz"',
     "deploy/sbom": 'echo "{}" "$@"',
 }
@@ -31,6 +36,8 @@ PROGRAMS = {
     "abidw": 'while [[ $1 != --out-file ]]; do shift; done; echo "$ABI" >"$2"',
     "abidiff": 'cmp -s "$2" "$3" || exit 4',
     "docker": "exit 1",
+    "podman": 'if [[ $1 == save ]]; then echo "image $4" >"$3"; else echo "podman $*" >>podman.log; fi',
+    "buildah": "exit 1",
     "dpkg": "echo amd64",
 }
 
@@ -48,7 +55,7 @@ class Release(unittest.TestCase):
             stub = self.repository / path
             stub.write_text(f"#!/bin/bash\n{script}\n")
             stub.chmod(0o755)
-        (self.repository / ".gitignore").write_text("/build/\n")
+        (self.repository / ".gitignore").write_text("/build/\n/podman.log\n")
         self.git("init", "--quiet")
         self.prepare("0.1.0")
 
@@ -63,6 +70,9 @@ class Release(unittest.TestCase):
         (self.repository / "deploy/CHANGELOG.md").write_text(f"# Change log\n\n{heading}\n\nText.\n\n## 0.0.1, 2029-01-31\n")
         self.git("add", ".")
         self.git("commit", "--quiet", "--message", version)
+
+    def stub(self, name, script):
+        (self.dir / "bin" / name).write_text(f"#!/bin/bash\n{script}\n")
 
     def release(self, *words, abi="one", buf="true"):
         environment = os.environ | {"PATH": f"{self.dir / 'bin'}:{os.environ['PATH']}", "LATVOX_BUF": str(buf), "ABI": abi}
@@ -92,8 +102,8 @@ class Release(unittest.TestCase):
     def test_a_release_has_all_files_and_their_checksums(self):
         text = self.made("0.1.0")
         folder = self.repository / "build/releases/0.1.0"
-        names = {"latvox-0.1.0.tar.gz", "latvox-0.1.0-docs.tar.gz", "latvox-0.1.0.spdx.json", "latvox-gateway-0.1.0.spdx.json", "latvox-0.1.0.abi.tar.gz",
-                 "latvox_own.deb", "latvox_arm64.deb", f"latvox-0-linux-{platform.machine()}.tar.gz"}  # fmt: skip
+        names = {"latvox-0.1.0.tar.gz", "latvox-0.1.0-docs.tar.gz", "latvox-0.1.0-bookworm.spdx.json", "latvox-0.1.0-trixie.spdx.json", "latvox-gateway-0.1.0.spdx.json",
+                 "latvox-0.1.0.abi.tar.gz", "latvox-0.1.0-image.tar.gz", "latvox_own.deb", "latvox_arm64.deb", f"latvox-0-linux-{platform.machine()}.tar.gz"}  # fmt: skip
         sums = dict(reversed(line.split("  ")) for line in (folder / "SHA256SUMS").read_text().splitlines())
         self.assertLessEqual(names, sums.keys())
         self.assertEqual({path.name for path in folder.iterdir()} - {"SHA256SUMS"}, sums.keys())
@@ -101,9 +111,34 @@ class Release(unittest.TestCase):
             self.assertEqual(hashlib.sha256((folder / name).read_bytes()).hexdigest(), sum)
         with tarfile.open(folder / "latvox-0.1.0.tar.gz") as tarball:
             self.assertIn("latvox-0.1.0/CMakeLists.txt", tarball.getnames())
-        self.assertIn("libcurl.so.4", (folder / "latvox-0.1.0.spdx.json").read_text())
-        for told in ("no release before this one", "no ABI of a last release", "NOT BUILT: docker", "git tag -s v0.1.0"):
+        for release in "bookworm", "trixie":
+            self.assertIn("latvox-vdb.so libcurl.so.4", (folder / f"latvox-0.1.0-{release}.spdx.json").read_text())
+        for told in ("no release before this one", "no ABI of a last release", "whose maintainer is a <a@localhost>", "git tag -s v0.1.0"):
             self.assertIn(told, text)
+
+    def test_the_image_has_the_time_of_the_commit(self):
+        self.made("0.1.0")
+        time = self.git("log", "-1", "--format=%ct").strip()
+        built = (self.repository / "podman.log").read_text()
+        self.assertRegex(built, rf"(?m)^podman build --timestamp {time} .* --build-arg SOURCE_DATE_EPOCH={time} --tag localhost/latvox:0.1.0 \.$")
+
+    def test_a_machine_that_builds_no_image_is_refused_unless_none_is_wanted(self):
+        self.stub("podman", "exit 1")
+        self.refused("neither docker nor podman nor buildah runs here", "0.1.0")
+        self.assertIn("NOT BUILT", self.made("0.1.0", "--without-image"))
+        self.stub("buildah", 'if [[ $1 == push ]]; then file=${3#docker-archive:}; echo image >"${file%%:*}"; fi')
+        self.made("0.1.0")
+        self.assertTrue((self.repository / "build/releases/0.1.0/latvox-0.1.0-image.tar.gz").exists())
+
+    def test_no_temporary_file_stays(self):
+        temporary = self.dir / "temporary"
+        temporary.mkdir()
+        self.prepare("0.0.9")
+        self.git("tag", "v0.0.9")
+        self.prepare("0.1.0")
+        with unittest.mock.patch.dict(os.environ, TMPDIR=str(temporary)):
+            self.assertIn("The protocol is compatible with 0.0.9", self.made("0.1.0"))
+        self.assertEqual(list(temporary.iterdir()), [])
 
     def test_equal_commits_make_equal_files(self):
         self.made("0.1.0")
@@ -132,6 +167,11 @@ class Release(unittest.TestCase):
         for heading in ("## 0.1.0, in preparation", "## 0.2.0, 2030-01-31", "## 0.1.0"):
             self.prepare("0.1.0", heading=heading)
             self.refused(f'the first section of deploy/CHANGELOG.md is "{heading}"', "0.1.0")
+
+    def test_a_change_log_without_sections_is_refused(self):
+        (self.repository / "deploy/CHANGELOG.md").write_text("# Change log\n")
+        self.git("commit", "--quiet", "--all", "--message", "no section")
+        self.refused('the first section of deploy/CHANGELOG.md is ""', "0.1.0")
 
     def test_an_existing_tag_is_refused(self):
         self.git("tag", "v0.1.0")
@@ -177,6 +217,32 @@ class Release(unittest.TestCase):
         self.assertEqual(done.stderr.count("release: refused: "), 3)
         self.assertIn("Dry run: a release would be refused, for 3 reasons", done.stdout)
         self.assertTrue((self.repository / "build/releases/0.2.0/SHA256SUMS").exists())
+
+
+class Packages(unittest.TestCase):
+    """The groups of deploy/packages that deploy/release installs, against what the documentation's programs import and run."""
+
+    MODULES = {"google": "python3-protobuf"}
+    PROGRAMS = {"doxygen": "doxygen", "protoc": "protobuf-compiler"}
+
+    def test_a_release_installs_all_that_the_documentation_needs(self):
+        groups = re.search(r"^  release\) groups='(.*)' ;;$", (ROOT / "deploy/install-packages").read_text(), re.M)[1]
+        rows = [line.split() for line in (ROOT / "deploy/packages").read_text().splitlines() if line and line[0] != "#"]
+        installed = {row[1] for row in rows if re.search(groups, row[0])}
+        folder = ROOT / "client/docs"
+        scripts = [path for path in folder.iterdir() if path.is_file() and (path.suffix == ".py" or path.read_bytes().startswith(b"#!/usr/bin/python3"))]
+        self.assertLessEqual({folder / "build", folder / "proto_reference"}, set(scripts))
+        imported = set()
+        for node in (node for script in scripts for node in ast.walk(ast.parse(script.read_text()))):
+            if isinstance(node, ast.Import):
+                imported |= {name.name.partition(".")[0] for name in node.names}
+            elif isinstance(node, ast.ImportFrom):
+                imported.add(node.module.partition(".")[0])
+        foreign = imported - sys.stdlib_module_names - {path.stem for path in scripts}
+        run = set(re.findall(r'\brun\("([\w-]+)"', (folder / "build").read_text()))
+        self.assertEqual(run, self.PROGRAMS.keys())
+        self.assertIn("google", foreign)
+        self.assertLessEqual({self.MODULES[name] for name in foreign} | set(self.PROGRAMS.values()), installed)
 
 
 if __name__ == "__main__":

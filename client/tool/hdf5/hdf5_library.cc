@@ -12,7 +12,8 @@ namespace {
 absl::StatusOr<const Hdf5*> LoadOnce() {
   const auto missing = [](const char* why) {
     return absl::FailedPreconditionError(
-        absl::StrCat(LATVOX_HDF5_LIBRARY, ": HDF5's library cannot be loaded (", why, "); other formats need none"));
+        absl::StrCat(LATVOX_HDF5_LIBRARY, ": HDF5's library cannot be loaded (", why,
+                     "); other formats need none (Debian 12: libhdf5-103-1, Debian 13: libhdf5-310)"));
   };
   void* const handle = dlopen(LATVOX_HDF5_LIBRARY, RTLD_NOW | RTLD_LOCAL);
   if (handle == nullptr) return missing(dlerror());

@@ -10,7 +10,8 @@ namespace {
 absl::StatusOr<const Curl*> LoadOnce() {
   const auto missing = [](const char* why) {
     return absl::FailedPreconditionError(
-        absl::StrCat(LATVOX_CURL_LIBRARY, ": curl's library cannot be loaded (", why, "); only URLs need it"));
+        absl::StrCat(LATVOX_CURL_LIBRARY, ": curl's library cannot be loaded (", why,
+                     "); only URLs need it (Debian 12: libcurl4, Debian 13: libcurl4t64)"));
   };
   void* const handle = dlopen(LATVOX_CURL_LIBRARY, RTLD_NOW | RTLD_LOCAL);
   if (handle == nullptr) return missing(dlerror());
