@@ -94,18 +94,20 @@ class Recipes(unittest.TestCase):
 
     def test_the_portfile_is_one_of_cmake_and_builds_this_checkout(self):
         # Stubs of vcpkg's functions print their words.
-        functions = ("vcpkg_cmake_configure", "vcpkg_cmake_install", "vcpkg_cmake_config_fixup", "vcpkg_fixup_pkgconfig", "vcpkg_install_copyright")
+        functions = ("vcpkg_find_acquire_program", "vcpkg_cmake_configure", "vcpkg_cmake_install", "vcpkg_cmake_config_fixup", "vcpkg_fixup_pkgconfig", "vcpkg_install_copyright")
         stubs = "".join(f'function({name})\nmessage("{name};${{ARGN}}")\nendfunction()\n' for name in functions)
         with tempfile.TemporaryDirectory() as directory:
             script = pathlib.Path(directory) / "stubs.cmake"
-            script.write_text(f'{stubs}set(CURRENT_PACKAGES_DIR "{directory}/packages")\ninclude("{PORT}/portfile.cmake")\n')
+            script.write_text(f'{stubs}set(PKGCONFIG "/tools/pkgconf")\nset(CURRENT_PACKAGES_DIR "{directory}/packages")\ninclude("{PORT}/portfile.cmake")\n')
             done = subprocess.run(["cmake", "-P", script], capture_output=True, text=True)
         self.assertEqual(done.returncode, 0, done.stderr)
         called = {name: words for name, *words in (line.split(";") for line in done.stderr.splitlines())}
         self.assertEqual(called.keys(), set(functions))
         source, *options = called["vcpkg_cmake_configure"][1:]
         self.assertEqual(pathlib.Path(source), ROOT)
-        self.assert_options_exist(options[1:])
+        self.assertEqual(options[:2], ["OPTIONS", "-DPKG_CONFIG_EXECUTABLE=/tools/pkgconf"])
+        self.assertEqual(called["vcpkg_find_acquire_program"], ["PKGCONFIG"])
+        self.assert_options_exist(options[2:])
         self.assertEqual(called["vcpkg_install_copyright"], ["FILE_LIST", str(ROOT / "LICENSE")])
         self.assertTrue((ROOT / "LICENSE").is_file())
 
@@ -115,6 +117,11 @@ class Recipes(unittest.TestCase):
         self.assertEqual((FOLDER / "conda" / recipe["source"]["path"]).resolve(), ROOT)
         self.assertEqual(set(recipe["requirements"]["host"]), named(sdk(), CONDA))
         self.assert_options_exist(re.findall(r"-D\S+", " ".join(recipe["build"]["script"])))
+        (test,) = [each for each in recipe["tests"] if "script" in each]
+        (examples,) = test["files"]["source"]
+        self.assertIn(f"cmake -S {examples.rstrip('/')} ", test["script"][0])
+        targets = set(re.findall(r"[\w]+", test["script"][1].partition("--target ")[2]))
+        self.assertLessEqual({f"{target}.cc" for target in targets}, {path.name for path in (ROOT / examples).iterdir()})
 
     def test_the_formula_of_homebrew(self):
         path = FOLDER / "homebrew/latvox.rb"
