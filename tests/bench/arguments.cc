@@ -22,7 +22,7 @@ const std::map<std::string, NamedLattice>& Lattices() {
 
 // Options whose type differs from that of their value in Arguments.
 struct Words {
-  std::string algorithm = "exact", simd = "best", peer, set, rule = "parity", side = "both";
+  std::string algorithm = "exact", simd = "best", set, rule = "parity", side = "both";
   bool minimal = true, labels = false;
   std::vector<std::string> fields;
   std::vector<int32_t> region;
@@ -65,10 +65,9 @@ SetOption SetOf(const Words& words) {
 
 void Declare(CLI::App& app, Arguments& arguments, Words& words) {
   VoxelizeOptions& options = words.options;
-  app.add_option(
-      "MESH", arguments.mesh,
-      "box, sphere:N (about N triangles), wires:N (N thin wires), gears, plates, honeycomb, threads, pipes, city, "
-      "shells, tree, or a file: .drc .obj .ply .stl .glb .gltf .3ds");
+  app.add_option("MESH", arguments.mesh,
+                 "box, sphere:N (about N triangles), wires:N (N thin wires), gears, plates, honeycomb, threads, pipes, "
+                 "city, shells, tree, or a file: .drc .obj .ply .stl .glb .gltf .3ds");
   app.add_option("RESOLUTION", arguments.resolution, "voxels along the longest side")
       ->check(CLI::Range(uint32_t{2}, kMaxResolution));
   app.add_option("--subdivide", arguments.subdivide, "how often each triangle is divided into four")
@@ -103,7 +102,7 @@ void Declare(CLI::App& app, Arguments& arguments, Words& words) {
   app.add_option("--threads", arguments.threads)->check(CLI::Range(1, kMaxThreads));
   app.add_option("--warmups", arguments.warmups, "repetitions before the clock")->check(CLI::Range(0, 1000));
   app.add_option("--reps", arguments.reps, "repetitions")->check(CLI::Range(1, 1000));
-  app.add_option("--peer", words.peer, "time another program instead")->check(CLI::IsMember({"openvdb"}));
+  app.add_option("--peer", arguments.peer, "time another program instead")->check(CLI::IsMember({"openvdb", "recast"}));
   app.add_flag("--discard", arguments.discard, "drop bricks as they arrive");
   app.add_flag("--cancel", arguments.cancel, "also measure cancellation");
   app.add_flag("--json", arguments.json);
@@ -121,9 +120,12 @@ absl::Status CheckTogether(const CLI::App& app, const Words& named, const Argume
                                                {"--set", !named.set.empty()},
                                                {"--fields", !named.fields.empty()}};
   for (const auto& [option, is_given] : ours) {
-    if (arguments.openvdb && is_given) {
-      return absl::InvalidArgumentError(absl::StrCat("--peer: OpenVDB has no equivalent of ", option));
+    if (!arguments.peer.empty() && is_given) {
+      return absl::InvalidArgumentError(absl::StrCat("--peer: ", arguments.peer, " has no equivalent of ", option));
     }
+  }
+  if (arguments.peer == "recast" && named.band > 0) {
+    return absl::InvalidArgumentError("--peer: recast has no equivalent of --band");
   }
   if (!std::holds_alternative<Solid>(options.set) && app.count("--rule") > 0) {
     return absl::InvalidArgumentError("--rule: needs --set solid or interior");
@@ -180,7 +182,6 @@ absl::StatusOr<Arguments> ParseArguments(std::vector<std::string> words) {
   }
   if (named.band > 0 && named.fields.empty()) options.fields = {Field::kDistance};
   arguments.simd = *SimdNamed(named.simd);
-  arguments.openvdb = !named.peer.empty();
   if (auto status = CheckTogether(app, named, arguments); !status.ok()) return status;
   if (app.count("--minimal") > 0) options.minimal = named.minimal;
   if (const auto& r = named.region; !r.empty()) options.region = {{r[0], r[1], r[2]}, {r[3], r[4], r[5]}};

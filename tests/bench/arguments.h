@@ -24,7 +24,7 @@ struct Arguments {
   VoxelRequest request;
   Simd simd = Simd::kBest;
   int threads = 1, warmups = 0, reps = 7;
-  bool openvdb = false;  // measure OpenVDB's meshToVolume
+  std::string peer;      // measure this program instead of ours: "openvdb" or "recast"; see Peer
   bool discard = false;  // drop bricks as they arrive, for results larger than memory
   bool cancel = false;   // also measure cancellation
   bool json = false, help = false;

@@ -93,15 +93,24 @@ class Bench(unittest.TestCase):
 
     def test_peers(self):
         self.assertEqual(measured("box", "32", "--peer", "openvdb")["simd"], "openvdb")
+        recast = run("box", "32", "--peer", "recast", "--json")
+        if recast.returncode != 0:
+            self.assertIn("built without Recast; install Debian's librecast-dev", recast.stderr)
+        else:  # Recast's cells are those that the triangles touch, and a few more.
+            out, touched = json.loads(recast.stdout), measured("box", "32", "--set", "supercover")["voxels"]
+            self.assertEqual(out["simd"], "recast")
+            self.assertTrue(0.9 * touched < out["voxels"] < 1.5 * touched, (out["voxels"], touched))
         self.assertNotEqual(
             measured("box", "32", "--algorithm", "optimized-incremental")["digest"], measured("box", "32")["digest"]
         )
 
     def test_options_without_an_equivalent_in_the_peer_are_refused(self):
-        for option, value in (("--lattice", "bcc"), ("--region", "0,0,0,1,1,1"), ("--set", "solid")):
-            done = run("box", "32", "--peer", "openvdb", option, value)
-            self.assertEqual(done.returncode, 2)
-            self.assertIn(option, done.stderr)
+        refused = (("--lattice", "bcc"), ("--region", "0,0,0,1,1,1"), ("--set", "solid"), ("--band", "3"))
+        for peer, options in (("openvdb", refused[:3]), ("recast", refused)):
+            for option, value in options:
+                done = run("box", "32", "--peer", peer, option, value)
+                self.assertEqual(done.returncode, 2)
+                self.assertIn(f"{peer} has no equivalent of {option}", done.stderr)
 
     def test_a_supercover_takes_at_most_half_as_long_again_as_the_unthinned_surface(self):
         for words in (("box", "256"), ("sphere:2000", "128"), ("sphere:20000", "256")):

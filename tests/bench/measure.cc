@@ -12,7 +12,7 @@
 
 #include "core/snap/mesh_range.h"
 #include "tests/bench/peak_memory.h"
-#include "tests/bench/peer_openvdb.h"
+#include "tests/bench/peer.h"
 
 namespace latvox {
 namespace {
@@ -116,16 +116,25 @@ absl::StatusOr<Measurement> MeasureOurs(const Arguments& arguments, const Grid& 
   return out;
 }
 
-Measurement MeasureOpenVdb(const Arguments& arguments, const Grid& grid, const TriangleMesh& mesh) {
+absl::StatusOr<std::unique_ptr<Peer>> PeerOf(const Arguments& arguments, const Grid& grid, const TriangleMesh& mesh) {
+  const double voxel_size = grid.lattice.voxel_size();
+  if (arguments.peer == "recast") return RecastPeer(mesh, BoundsOf(mesh), voxel_size);
+  const Band* const band = arguments.request.band();
+  return OpenVdbPeer(mesh, BoundsOf(mesh), voxel_size, band != nullptr ? static_cast<float>(band->width) : 0.5F);
+}
+
+absl::StatusOr<Measurement> MeasurePeer(const Arguments& arguments, const Grid& grid, const TriangleMesh& mesh) {
+  const auto peer = PeerOf(arguments, grid, mesh);
+  if (!peer.ok()) return peer.status();
   Measurement out;
-  out.simd = "openvdb";
-  const OpenVdbPeer peer(mesh, BoundsOf(mesh), grid.lattice.voxel_size());
+  out.simd = arguments.peer;
   const PeakMemory memory;
   for (int n = 0; n < arguments.warmups + arguments.reps; ++n) {
     const auto start = Clock::now();
-    out.voxels =
-        peer.Run(arguments.request.band() != nullptr ? static_cast<float>(arguments.request.band()->width) : 0.5F);
-    if (n >= arguments.warmups) out.milliseconds.push_back(Milliseconds(Clock::now() - start));
+    if (auto status = (*peer)->Run(); !status.ok()) return status;
+    const auto end = Clock::now();
+    if (n >= arguments.warmups) out.milliseconds.push_back(Milliseconds(end - start));
+    out.voxels = (*peer)->Finish();
   }
   out.peak_rss_bytes = memory.Bytes();
   out.job_peak_bytes = memory.BytesBeyondStart();
@@ -155,7 +164,7 @@ absl::StatusOr<Measurement> Measure(const Arguments& arguments, TriangleMesh& me
   oneapi::tbb::task_arena arena(arguments.threads);
   auto measured = arena.execute([&]() -> absl::StatusOr<Measurement> {
     StartThreads(arguments.threads);
-    if (arguments.openvdb) return MeasureOpenVdb(arguments, *grid, mesh);
+    if (!arguments.peer.empty()) return MeasurePeer(arguments, *grid, mesh);
     return MeasureOurs(arguments, *grid, mesh, last_use);
   });
   if (!measured.ok()) return measured.status();

@@ -1,4 +1,4 @@
-// Times one job, or OpenVDB, repeatedly.
+// Times one job, or another program, repeatedly.
 #ifndef LATVOX_TESTS_BENCH_MEASURE_H_
 #define LATVOX_TESTS_BENCH_MEASURE_H_
 
@@ -14,8 +14,8 @@ namespace latvox {
 
 struct Measurement {
   uint64_t triangles = 0, voxels = 0;
-  std::string simd;                                // kernels, or "openvdb"
-  std::string digest;                              // empty for OpenVDB
+  std::string simd;                                // kernels, or Arguments::peer
+  std::string digest;                              // empty for another program
   std::vector<double> milliseconds;                // of each repetition, ascending: valid mesh to bricks, in memory
   std::optional<double> first_brick_milliseconds;  // from the same start to the first tile; minimum
   std::optional<double> cancel_milliseconds;       // see Arguments::cancel; from Cancel to the last thread's stop, most
