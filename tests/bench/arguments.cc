@@ -65,9 +65,10 @@ SetOption SetOf(const Words& words) {
 
 void Declare(CLI::App& app, Arguments& arguments, Words& words) {
   VoxelizeOptions& options = words.options;
-  app.add_option("MESH", arguments.mesh,
-                 "box, sphere:N (about N triangles), wires:N (N thin wires), gears, plates, honeycomb, threads, pipes, "
-                 "city, shells, tree, or a file: .drc .obj .ply .stl .glb .gltf .3ds");
+  app.add_option(
+      "MESH", arguments.mesh,
+      "box, sphere:N (about N triangles), wires:N (N thin wires), ground, forest:N (N tetrahedra), fan:N, cylinder:N, "
+      "gears, plates, honeycomb, threads, pipes, city, shells, tree, or a file: .drc .obj .ply .stl .glb .gltf .3ds");
   app.add_option("RESOLUTION", arguments.resolution, "voxels along the longest side")
       ->check(CLI::Range(uint32_t{2}, kMaxResolution));
   app.add_option("--subdivide", arguments.subdivide, "how often each triangle is divided into four")

@@ -18,6 +18,7 @@
 #include "server/decode/draco_decoder.h"
 #include "tests/bench/parts.h"
 #include "tests/bench/scene_file.h"
+#include "tests/bench/shapes.h"
 #include "tests/bench/wires.h"
 
 namespace latvox {
@@ -99,21 +100,29 @@ class Sphere {
   TriangleMesh mesh_;
 };
 
-absl::StatusOr<TriangleMesh> SphereOf(absl::string_view count) {
-  uint32_t triangles = 0;
-  if (!absl::SimpleAtoi(count, &triangles) || triangles < 8 || triangles > 1U << 26) {
-    return absl::InvalidArgumentError(absl::StrCat("sphere:", count, ": not a number from 8 to ", 1U << 26));
-  }
+TriangleMesh SphereOf(uint32_t triangles) {
   return Sphere(static_cast<uint32_t>(std::lround(std::sqrt(triangles / 8.0)))).Make();
 }
 
-absl::StatusOr<TriangleMesh> WiresOf(absl::string_view count) {
-  constexpr uint32_t kMost = 1U << 20;
-  uint32_t wires = 0;
-  if (!absl::SimpleAtoi(count, &wires) || wires < 1 || wires > kMost) {
-    return absl::InvalidArgumentError(absl::StrCat("wires:", count, ": not a number from 1 to ", kMost));
+// A mesh whose name ends in a number.
+struct CountedMesh {
+  absl::string_view before;
+  uint32_t least, most;
+  TriangleMesh (*make)(uint32_t);
+};
+constexpr CountedMesh kCountedMeshes[] = {{"sphere:", 8, 1U << 26, SphereOf},
+                                          {"wires:", 1, 1U << 20, Wires},
+                                          {"forest:", 1, 1U << 24, Forest},
+                                          {"fan:", 3, 1U << 24, Fan},
+                                          {"cylinder:", 3, 1U << 24, Cylinder}};
+
+absl::StatusOr<TriangleMesh> Counted(const CountedMesh& mesh, absl::string_view number) {
+  uint32_t count = 0;
+  if (!absl::SimpleAtoi(number, &count) || count < mesh.least || count > mesh.most) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(mesh.before, number, ": not a number from ", mesh.least, " to ", mesh.most));
   }
-  return Wires(wires);
+  return mesh.make(count);
 }
 
 // Adds the midpoints of a mesh's edges as vertices.
@@ -142,9 +151,11 @@ class Midpoints {
 
 absl::StatusOr<TriangleMesh> MeshNamed(const std::string& name) {
   if (name == "box") return Box();
+  if (name == "ground") return Ground();
   if (auto parts = PartsNamed(name)) return *std::move(parts);
-  if (absl::string_view count = name; absl::ConsumePrefix(&count, "sphere:")) return SphereOf(count);
-  if (absl::string_view count = name; absl::ConsumePrefix(&count, "wires:")) return WiresOf(count);
+  for (const CountedMesh& counted : kCountedMeshes) {
+    if (absl::string_view number = name; absl::ConsumePrefix(&number, counted.before)) return Counted(counted, number);
+  }
   if (client::FormatOfPath(name) == client::MeshFormat::kDraco) {
     const auto bytes = client::ReadBytes(name);
     if (!bytes.ok()) return bytes.status();

@@ -14,6 +14,10 @@ namespace latvox {
 //   box        a cube of 12 triangles, turned so that no two edges have the same slope on any axis
 //   sphere:N   closed; 4 m^2 triangles of about the same size, about N in all; N from 8 to 2^26
 //   wires:N    N wires of 16 long thin triangles (wires.h); N from 1 to 2^20
+//   ground     a large square of two triangles, with a small object on it
+//   forest:N   N tetrahedra as small as voxels; N from 1 to 2^24
+//   fan:N      a disk of N thin triangles; N from 3 to 2^24
+//   cylinder:N a cylinder of N sides, closed (these four: shapes.h); N from 3 to 2^24
 //   gears, plates, honeycomb, threads, pipes, city, shells, tree
 //              parts that are designed, not scanned (parts.h)
 //   a file     .drc .obj .ply .stl .glb .gltf .3ds

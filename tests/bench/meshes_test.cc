@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <set>
@@ -108,9 +109,41 @@ TEST(BenchMeshes, GearsThreadsPipesAndCityAreSolids) {
   }
 }
 
+TEST(BenchMeshes, CylindersAndForestsAreSolids) {
+  const TriangleMesh cylinder = Made("cylinder:500"), forest = Made("forest:50");
+  EXPECT_EQ(cylinder.triangles.size(), 2000U);
+  EXPECT_TRUE(IsClosedAndOriented(cylinder));
+  EXPECT_NEAR(VolumeOf(cylinder), M_PI / 4, 1e-3);
+  EXPECT_EQ(forest.triangles.size(), 200U);
+  EXPECT_TRUE(IsClosedAndOriented(forest));
+  EXPECT_NEAR(VolumeOf(forest) / 50, std::pow(1.0 / 256, 3) / (6 * M_SQRT2), 1e-11);
+  EXPECT_EQ(forest.vertices, Made("forest:50").vertices);
+}
+
+double AreaOf(const TriangleMesh& mesh) {
+  double sum = 0;
+  for (const auto& [a, b, c] : mesh.triangles) {
+    std::array<double, 3> u, v;
+    for (size_t m = 0; m < 3; ++m) {
+      u[m] = double{mesh.vertices[b][m]} - mesh.vertices[a][m];
+      v[m] = double{mesh.vertices[c][m]} - mesh.vertices[a][m];
+    }
+    sum += std::hypot(u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]) / 2;
+  }
+  return sum;
+}
+
+TEST(BenchMeshes, AFanIsADiskAndTheGroundIsASquareWithASmallObject) {
+  const TriangleMesh fan = Made("fan:500"), ground = Made("ground");
+  EXPECT_EQ(fan.triangles.size(), 500U);
+  EXPECT_NEAR(AreaOf(fan), M_PI, 1e-3);
+  EXPECT_EQ(ground.triangles.size(), 2 + 4 * 64U);
+  EXPECT_NEAR(AreaOf(ground), 1 + 1.5 * M_PI / (32 * 32), 1e-4);
+}
+
 TEST(BenchMeshes, RefusesWhatIsNoNumberOfTriangles) {
-  for (const char* name :
-       {"sphere:", "sphere:x", "sphere:7", "sphere:-8", "sphere:67108865", "wires:", "wires:0", "wires:1048577"}) {
+  for (const char* name : {"sphere:", "sphere:x", "sphere:7", "sphere:-8", "sphere:67108865", "wires:", "wires:0",
+                           "wires:1048577", "forest:0", "fan:2", "cylinder:2", "cylinder:16777217"}) {
     EXPECT_EQ(MeshNamed(name).status().code(), absl::StatusCode::kInvalidArgument) << name;
   }
 }
