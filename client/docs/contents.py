@@ -31,8 +31,8 @@ CONTENTS = [
         "deploy/CHANGELOG.md",
     ]),
     ("Measurements", [
-        "tests/bench/README.md", ("Notes on performance", ["tests/bench/notes/*.md"]), "tests/thesis/README.md",
-        "tests/corpus/README.md",
+        "tests/bench/README.md", "tests/bench/figures.md", "tests/bench/bounds.md",
+        ("Notes on performance", ["tests/bench/notes/*.md"]), "tests/thesis/README.md", "tests/corpus/README.md",
     ]),
     ("Contributing", [
         ".github/CONTRIBUTING.md", ".github/SECURITY.md", "deploy/RELEASE.md", "tests/README.md",
