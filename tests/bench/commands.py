@@ -1,14 +1,19 @@
 """Commands and files that the scripts of this folder time.
 
     Run(command)                    runs a command to its end
+    dragon()                        returns the path of the dragon's mesh
+    Bench(programs).ask(words)      measures by a process that stays
     write_plainly(source, target)   writes the bytes of a file again
 """
 
+import json
 import os
+import pathlib
 import subprocess
 import sys
 import time
 
+HERE = pathlib.Path(__file__).resolve().parent
 BLOCK = 1 << 20
 
 
@@ -26,6 +31,33 @@ class Run:
         self.core = 1e3 * (usage.ru_utime + usage.ru_stime)
         if process.returncode != 0:
             sys.exit(errors)
+
+
+def dragon():
+    """Fetches the mesh at the first call on this machine. None if that fails, as it does without a network."""
+    folder = HERE.parents[1] / "build/bench"
+    folder.mkdir(parents=True, exist_ok=True)
+    fetched = subprocess.run([HERE / "fetch-dragon", folder], stdout=sys.stderr, check=False)
+    return folder / "dragon.ply" if fetched.returncode == 0 else None
+
+
+class Bench:
+    """latvox_bench as a process that keeps its mesh between measurements."""
+
+    def __init__(self, programs):
+        self.process = subprocess.Popen([programs / "latvox_bench", "-"], stdin=-1, stdout=-1, text=True, bufsize=1)
+
+    def ask(self, words):
+        """Returns the fields of `latvox_bench --json`, or only `error`."""
+        print(*words, file=self.process.stdin)
+        answer = self.process.stdout.readline()
+        if not answer:
+            sys.exit(f"latvox_bench ended at: {' '.join(map(str, words))}")
+        return json.loads(answer)
+
+    def close(self):
+        self.process.stdin.close()
+        self.process.wait()
 
 
 def write_plainly(source, target):

@@ -17,6 +17,7 @@ import sys
 import time
 
 import report
+from commands import Bench
 
 BUNNY = "/usr/share/glmark2/models/bunny.obj"
 HORSE = "/usr/share/glmark2/models/horse.3ds"
@@ -77,24 +78,6 @@ def mesh_words(name, directory):
         "box": ["box"],
         "sphere": ["sphere:20000000"],
     }[name]
-
-
-class Bench:
-    """latvox_bench as a process that keeps its mesh between measurements."""
-
-    def __init__(self, programs):
-        self.process = subprocess.Popen([programs / "latvox_bench", "-"], stdin=-1, stdout=-1, text=True, bufsize=1)
-
-    def ask(self, words):
-        print(*words, file=self.process.stdin)
-        answer = self.process.stdout.readline()
-        if not answer:
-            sys.exit(f"bench/run: latvox_bench ended at: {' '.join(words)}")
-        return json.loads(answer)
-
-    def close(self):
-        self.process.stdin.close()
-        self.process.wait()
 
 
 @dataclasses.dataclass
