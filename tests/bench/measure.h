@@ -16,6 +16,7 @@ struct Measurement {
   uint64_t triangles = 0, voxels = 0;
   std::string simd;                                // kernels, or Arguments::peer
   std::string digest;                              // empty for another program
+  double read_milliseconds = 0;                    // to make the mesh, or to read its file; the caller sets it
   std::vector<double> milliseconds;                // of each repetition, ascending: valid mesh to bricks, in memory
   std::optional<double> first_brick_milliseconds;  // from the same start to the first tile; minimum
   std::optional<double> cancel_milliseconds;       // see Arguments::cancel; from Cancel to the last thread's stop, most

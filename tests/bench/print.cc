@@ -45,6 +45,7 @@ std::string ToJson(const Arguments& arguments, const Measurement& m) {
                                    {"digest", m.digest},
                                    {"triangles", m.triangles},
                                    {"ms", m.milliseconds},
+                                   {"ms_read", m.read_milliseconds},
                                    {"ms_first_brick", OrNull(m.first_brick_milliseconds)},
                                    {"ms_cancel", OrNull(m.cancel_milliseconds)},
                                    {"job_peak_bytes", OrNull(m.job_peak_bytes)}};
