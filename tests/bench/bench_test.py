@@ -1,6 +1,8 @@
 """Tests of latvox_bench: fields and exit statuses that scripts rely on, and the same digest from every kernel."""
 
+import contextlib
 import importlib.machinery
+import io
 import json
 import os
 import pathlib
@@ -52,6 +54,7 @@ class Bench(unittest.TestCase):
         self.assertLessEqual(out["ms_min"], out["ms_median"])
         self.assertLessEqual(out["ms_first_brick"], out["ms_min"])
         self.assertGreater(out["job_peak_bytes"], 0)
+        self.assertGreater(out["ms_read"], 0)
 
     def test_every_kernel_has_the_digest_of_the_scalar_one(self):
         for lattice in ("cartesian", "bcc", "fcc", "hexagonal"):
@@ -215,9 +218,26 @@ class Bench(unittest.TestCase):
         self.assertLess(deep["job_peak_bytes"], 4e6)
         self.assertLess(instructions("box", "65536", *region(30000)), 2 * instructions("box", "1024", *region(470)))
 
+    def test_more_instructions_than_the_reference_fail_and_so_do_jobs_without_one(self):
+        reference = {("a", "avx2"): 1000, ("b", "avx2"): 1000}
+        for counts, equal_packages, wrong, doubtful in (
+            ({("a", "avx2"): 1029, ("b", "avx2"): 900}, True, [], []),
+            ({("a", "avx2"): 1031, ("b", "avx2"): 900}, True, ["a avx2 +3.1 %"], []),
+            ({("a", "avx2"): 1031, ("b", "avx2"): 900}, False, [], ["a avx2 +3.1 %"]),
+            ({("a", "avx2"): 1000}, False, ["has jobs that nothing counts: b avx2"], []),
+            ({**reference, ("c", "avx2"): 1}, True, ["lacks jobs that are counted: c avx2"], []),
+        ):
+            with contextlib.redirect_stdout(io.StringIO()):
+                said = COUNTER.compare(counts, reference, equal_packages)
+            for texts, expected in zip(said, (wrong, doubtful)):
+                self.assertEqual(len(texts), len(expected), counts)
+                for text, part in zip(texts, expected):
+                    self.assertIn(part, text)
+
     def test_the_scripts_fill_their_tables(self):
         for script, words, row in (
-            ("whole", [f"{BUNNY}:32"], r"\| bunny.obj 32 (\| -?\d+ ){7}\|\n"),
+            ("whole", [f"{BUNNY}:32"], r"\| bunny.obj 32 (\| -?\d+ ){8}\|\n"),
+            ("user", ["ground"], r"\| ground \| 1024 (\| [^|]+ ){8}\|\n\n"),
             ("writers", ["--resolution", "32", "--formats", ".npy"], r"\| `.npy` (\| -?[\d.]+ ){5}\|\n"),
             ("writers", ["--resolution", "16"], r"\| `.mhd` [^$]*\| `.links.npz` (\| -?[\d.]+ ){5}\|\n"),
         ):
