@@ -110,11 +110,9 @@ struct CountedMesh {
   uint32_t least, most;
   TriangleMesh (*make)(uint32_t);
 };
-constexpr CountedMesh kCountedMeshes[] = {{"sphere:", 8, 1U << 26, SphereOf},
-                                          {"wires:", 1, 1U << 20, Wires},
-                                          {"forest:", 1, 1U << 24, Forest},
-                                          {"fan:", 3, 1U << 24, Fan},
-                                          {"cylinder:", 3, 1U << 24, Cylinder}};
+constexpr CountedMesh kCountedMeshes[] = {{"sphere:", 8, 1U << 26, SphereOf}, {"wires:", 1, 1U << 20, Wires},
+                                          {"forest:", 1, 1U << 24, Forest},   {"tangle:", 1, 1U << 24, Tangle},
+                                          {"fan:", 3, 1U << 24, Fan},         {"cylinder:", 3, 1U << 24, Cylinder}};
 
 absl::StatusOr<TriangleMesh> Counted(const CountedMesh& mesh, absl::string_view number) {
   uint32_t count = 0;

@@ -16,8 +16,9 @@ namespace latvox {
 //   wires:N    N wires of 16 long thin triangles (wires.h); N from 1 to 2^20
 //   ground     a large square of two triangles, with a small object on it
 //   forest:N   N tetrahedra as small as voxels; N from 1 to 2^24
+//   tangle:N   N random triangles that fill a cube; N from 1 to 2^24
 //   fan:N      a disk of N thin triangles; N from 3 to 2^24
-//   cylinder:N a cylinder of N sides, closed (these four: shapes.h); N from 3 to 2^24
+//   cylinder:N a cylinder of N sides, closed (these five: shapes.h); N from 3 to 2^24
 //   gears, plates, honeycomb, threads, pipes, city, shells, tree
 //              parts that are designed, not scanned (parts.h)
 //   a file     .drc .obj .ply .stl .glb .gltf .3ds

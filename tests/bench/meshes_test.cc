@@ -133,6 +133,17 @@ double AreaOf(const TriangleMesh& mesh) {
   return sum;
 }
 
+TEST(BenchMeshes, ATangleFillsItsCube) {
+  const TriangleMesh tangle = Made("tangle:2000");
+  EXPECT_EQ(tangle.triangles.size(), 2000U);
+  EXPECT_EQ(tangle.vertices, Made("tangle:2000").vertices);
+  for (size_t m = 0; m < 3; ++m) {
+    double sum = 0;
+    for (const Vec3f& p : tangle.vertices) sum += p[m];
+    EXPECT_NEAR(sum / 6000, 0.5, 0.02);
+  }
+}
+
 TEST(BenchMeshes, AFanIsADiskAndTheGroundIsASquareWithASmallObject) {
   const TriangleMesh fan = Made("fan:500"), ground = Made("ground");
   EXPECT_EQ(fan.triangles.size(), 500U);
@@ -143,7 +154,7 @@ TEST(BenchMeshes, AFanIsADiskAndTheGroundIsASquareWithASmallObject) {
 
 TEST(BenchMeshes, RefusesWhatIsNoNumberOfTriangles) {
   for (const char* name : {"sphere:", "sphere:x", "sphere:7", "sphere:-8", "sphere:67108865", "wires:", "wires:0",
-                           "wires:1048577", "forest:0", "fan:2", "cylinder:2", "cylinder:16777217"}) {
+                           "wires:1048577", "forest:0", "tangle:0", "fan:2", "cylinder:2", "cylinder:16777217"}) {
     EXPECT_EQ(MeshNamed(name).status().code(), absl::StatusCode::kInvalidArgument) << name;
   }
 }

@@ -18,6 +18,19 @@ constexpr Frame kTurned{
     // no two of them have the same slope on any axis
     {{-10.0 / 15, 2.0 / 15, 11.0 / 15}, {10.0 / 15, -5.0 / 15, 10.0 / 15}, {5.0 / 15, 14.0 / 15, 2.0 / 15}}};
 
+// Random points of a unit cube.
+class Scatter {
+ public:
+  Point Next() {
+    Point p;
+    for (double& x : p) x = static_cast<double>(random_()) * 0x1p-32;
+    return p;
+  }
+
+ private:
+  std::mt19937 random_{1};  // the standard defines its numbers, and no distribution's
+};
+
 // Adds vertices of a shape, given in the shape's own frame.
 class Shape {
  public:
@@ -84,15 +97,26 @@ TriangleMesh Ground() {
 TriangleMesh Forest(uint32_t count) {
   constexpr double kSide = 1 / (256 * std::numbers::sqrt2);  // of the cube around a tetrahedron
   TriangleMesh mesh;
-  std::mt19937 random(1);  // the standard defines its numbers, and no distribution's
-  const auto fraction = [&random] { return static_cast<double>(random()) * 0x1p-32; };
+  Scatter scatter;
   for (uint32_t n = 0; n < count; ++n) {
-    Point at;
-    for (double& x : at) x = fraction();
-    Shape tree(mesh, kTurned, at);
+    Shape tree(mesh, kTurned, scatter.Next());
     const uint32_t a = tree.Add(0, 0, 0), b = tree.Add(kSide, kSide, 0), c = tree.Add(kSide, 0, kSide),
                    d = tree.Add(0, kSide, kSide);
     mesh.triangles.insert(mesh.triangles.end(), {{a, b, c}, {a, c, d}, {a, d, b}, {b, d, c}});
+  }
+  return mesh;
+}
+
+TriangleMesh Tangle(uint32_t count) {
+  TriangleMesh mesh;
+  Scatter scatter;
+  Shape all(mesh, kUpright, {});
+  for (uint32_t n = 0; n < count; ++n) {
+    for (int corner = 0; corner < 3; ++corner) {
+      const Point p = scatter.Next();
+      all.Add(p[0], p[1], p[2]);
+    }
+    mesh.triangles.push_back({3 * n, 3 * n + 1, 3 * n + 2});
   }
   return mesh;
 }

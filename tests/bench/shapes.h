@@ -16,6 +16,10 @@ TriangleMesh Ground();
 // number gives the same mesh.
 TriangleMesh Forest(uint32_t count);
 
+// `count` triangles, each with three random corners in a unit cube, so that they cross each other everywhere. The same
+// number gives the same mesh.
+TriangleMesh Tangle(uint32_t count);
+
 // A disk of `count` triangles around its center, which is a vertex of all.
 TriangleMesh Fan(uint32_t count);
 
