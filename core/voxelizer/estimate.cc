@@ -207,14 +207,15 @@ double VisitsOfClosing(const TriangleMesh& mesh, const MeshExtent& extent, const
   return kScans * kPerDistance * volume / (size * size * size) + kPerRow * rows;
 }
 
-// Links: a star for each pair of a triangle and a voxel that it crosses a link of, once for their ends and once for
-// their fields. A voxel without a crossed link costs only the memory of its fields.
+// Links. Both ends of a link count as found, which covers the stars that are not left out; finding these stars takes
+// time for each triangle. Fields of links need all stars. A voxel without a crossed link costs only the memory of its
+// fields.
 double VisitsOfLinks(const TriangleMesh& mesh, double found, double voxels, const VoxelRequest& request) {
-  constexpr double kPerEnd = 5, kPerCrossedVoxel = 25, kPerVoxel = 2, kPerTriangle = 20;  // at 15 ns; k = 0
-  const double triangles = kPerTriangle * static_cast<double>(mesh.triangles.size());
-  double visits = request.links() != nullptr ? kPerEnd * found + triangles : 0;
+  constexpr double kEndsPerTriangle = 5, kFieldsPerTriangle = 10, kPerCrossedVoxel = 15, kPerVoxel = 2;  // at 15 ns
+  const auto triangles = static_cast<double>(mesh.triangles.size());
+  double visits = request.links() != nullptr ? kEndsPerTriangle * triangles : 0;
   if (!request.fields.OfLinks().empty()) {
-    visits += kPerCrossedVoxel * std::min(found, voxels) + kPerVoxel * voxels + triangles;
+    visits += kPerCrossedVoxel * std::min(found, voxels) + kPerVoxel * voxels + kFieldsPerTriangle * triangles;
   }
   return visits;
 }
@@ -314,8 +315,10 @@ double EstimateMilliseconds(const VoxelRequest& request, uint64_t triangles, dou
 
 double EstimateVisits(const TriangleMesh& mesh, const MeshExtent& extent, const Grid& grid, const VoxelRequest& request,
                       StopSignal stop) {
-  // At 15 ns, the cost of a voxel otherwise. 4096 cubes with labels took 2.5 s more than without.
-  constexpr double kVisitsPerTriangle = 20, kVisitsAlongNeedle = 12, kVisitsOfWalk = 4e4;
+  // At 15 ns, the cost of a voxel otherwise: some 100 instructions on AVX2.
+  constexpr double kVisitsPerTriangle = 2;   // of a supercover, besides the cells that it touches
+  constexpr double kVisitsAlongNeedle = 12;  // for each voxel size of its length, because its rows have few voxels
+  constexpr double kVisitsOfWalk = 1e4;      // of a label: with 1000 small parts, a million instructions each
   const double size = grid.lattice.voxel_size();
   if (request.band() != nullptr) {
     const double width = WidthOf(*request.band(), grid.lattice);
