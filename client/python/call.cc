@@ -108,6 +108,7 @@ absl::Status Call::Voxelize(Work& work) {
   const auto files = RemoteFiles::Fetch(options_, call);
   if (!files.ok()) return files.status();
   answer_->output_options = options_.output_options;
+  answer_->is_streamed = streams_;
   JobHooks hooks;
   hooks.connect = [this]() -> absl::StatusOr<const Client*> { return &session_->client(); };
   hooks.on_stage = [](const std::string&) {};

@@ -20,6 +20,14 @@ namespace {
 
 namespace py = pybind11;
 
+// Throws FAILED_PRECONDITION if the batches of a call had the voxels. What is made of these would be empty, and wrong.
+void CheckPresent(const Voxels& voxels) {
+  if (!voxels.is_streamed) return;
+  Check(absl::FailedPreconditionError(
+      "the batches of the stream had the voxels, and this answer has none; take them from the batches, or call "
+      "voxelize"));
+}
+
 // The type that files have, in which -1 means "none".
 py::dtype TypeOf(Field field) { return py::dtype(NumpyTypeOf(FactsOf(field).type)); }
 
@@ -47,6 +55,7 @@ const FieldValues& Find(const std::vector<FieldValues>& fields, const std::strin
 // Returns an array of all voxels, three numbers each.
 template <class T, class Visit>
 py::array Rows(const Voxels& voxels, const Visit& visit) {
+  CheckPresent(voxels);
   py::array_t<T> rows({static_cast<py::ssize_t>(CountVoxels(voxels)), py::ssize_t{3}});
   T* next = rows.mutable_data();
   const py::gil_scoped_release release;
@@ -59,6 +68,7 @@ py::array Rows(const Voxels& voxels, const Visit& visit) {
 // Returns a view of the same member of all bricks.
 template <class T, size_t N>
 py::array OfBricks(const SharedVoxels& voxels, std::array<T, N> Brick::*member) {
+  CheckPresent(*voxels);
   static const Brick kNone{};
   const std::vector<Brick>& bricks = voxels->all.bricks;
   const Brick* const first = bricks.empty() ? &kNone : bricks.data();
@@ -101,12 +111,14 @@ absl::Status VoxelsOutput::Finish(const Summary& summary) {
 }
 
 size_t CountVoxels(const Voxels& voxels) {
+  if (voxels.is_streamed) return voxels.all.summary.voxels;
   size_t count = 0;
   for (const Brick& brick : voxels.all.bricks) count += client::CountVoxels(brick);
   return count;
 }
 
 std::optional<IndexBox> IndexBoxOf(const Voxels& voxels) {
+  CheckPresent(voxels);
   VoxelBox box;
   for (const Brick& brick : voxels.all.bricks) box.Add(brick);
   return box.box();
@@ -137,6 +149,7 @@ py::list NamesOfField(const Voxels& voxels, const std::string& field) {
 }
 
 py::array FieldArray(const SharedVoxels& voxels, const std::string& field) {
+  CheckPresent(*voxels);
   const FieldValues& values = Find(voxels->all.fields, field);
   const py::ssize_t components = static_cast<py::ssize_t>(values.components());
   std::vector<py::ssize_t> shape = {static_cast<py::ssize_t>(CountVoxels(*voxels))};
@@ -145,6 +158,7 @@ py::array FieldArray(const SharedVoxels& voxels, const std::string& field) {
 }
 
 py::tuple Dense(const Voxels& voxels, const std::optional<IndexBox>& box, const std::string& field) {
+  CheckPresent(voxels);
   Field wanted = Field::kPart;
   if (!field.empty()) wanted = Find(voxels.all.fields, field).field;
   absl::StatusOr<DenseVoxels> made;
@@ -198,6 +212,7 @@ absl::Status SelectArray(const std::string& array, VoxelizeOptions& options) try
 }  // namespace
 
 void Save(const Voxels& voxels, const std::string& path, bool dense_npy, const std::string& array, bool allow_http) {
+  CheckPresent(voxels);
   VoxelizeOptions options;
   options.request = voxels.request;
   options.output_options = voxels.output_options;

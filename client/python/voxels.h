@@ -19,10 +19,11 @@ namespace latvox::client::python {
 struct Voxels {
   VoxelizeRequest request = {};
   OutputOptions output_options = {};
-  CarriedNames names = {};  // of parts and materials
-  Voxelization all = {};    // of a batch: without a summary
-  double progress = 1;      // of the call, when the batch came
-  std::string report = {};  // that of `latvox voxelize --json`; of a batch: empty
+  CarriedNames names = {};   // of parts and materials
+  Voxelization all = {};     // of a batch: without a summary
+  double progress = 1;       // of the call, when the batch came
+  bool is_streamed = false;  // the batches had the voxels, and these are none of them
+  std::string report = {};   // that of `latvox voxelize --json`; of a batch: empty
 };
 
 // Returns a receiver of a call's answer for all.
@@ -42,9 +43,10 @@ class VoxelsOutput : public Output {
 
 using SharedVoxels = std::shared_ptr<Voxels>;
 
-// The arrays below that are views belong to the voxels and keep them alive. They are read-only.
+// The arrays below that are views belong to the voxels and keep them alive. They are read-only. Without their voxels,
+// because batches had them, all functions except CountVoxels and those of names throw FAILED_PRECONDITION.
 
-size_t CountVoxels(const Voxels& voxels);
+size_t CountVoxels(const Voxels& voxels);                  // also of the voxels that batches had
 std::optional<IndexBox> IndexBoxOf(const Voxels& voxels);  // the smallest box of the voxels
 pybind11::array BrickIjk(const SharedVoxels& voxels);      // view, (b, 3) int32: ijk >> 3
 pybind11::array BrickMasks(const SharedVoxels& voxels);    // view, (b, 8) uint64: see Brick

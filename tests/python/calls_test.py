@@ -129,7 +129,20 @@ def test_a_stream_is_the_whole_in_order():
         shares = [batch.progress for batch in batches]
         assert shares == sorted(shares) and 0 < shares[0] and shares[-1] <= 1
         answer = stream.finish()
-        assert (answer.digest, answer.report["voxels"], len(answer)) == (v.digest, len(v), 0)
+        assert (answer.digest, answer.report["voxels"], len(answer)) == (v.digest, len(v), len(v))
+
+
+def test_the_answer_of_a_stream_has_no_voxels(tmp_path):
+    with latvox.stream(MESH, resolution=20, fields="part") as stream:
+        count = sum(map(len, stream))
+        answer = stream.finish()
+    takes = [lambda: answer.ijk, lambda: answer.points, lambda: answer.masks, lambda: answer.brick_ijk]
+    takes += [lambda: answer["part"], lambda: answer.index_box, answer.dense, answer._repr_png_]
+    takes += [lambda: answer.save(tmp_path / "a.vdb"), lambda: answer.dense("part", ((0, 0, 0), (1, 1, 1)))]
+    for take in takes:
+        with pytest.raises(latvox.FailedPrecondition, match="the batches of the stream had the voxels"):
+            take()
+    assert list(tmp_path.iterdir()) == [] and f"{count} voxels" in repr(answer) and answer.certificate and count > 0
 
 
 def test_a_stream_ends_when_it_is_left_or_wrong():

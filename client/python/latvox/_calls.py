@@ -110,7 +110,10 @@ class Stream:
         return Bricks(batch)
 
     def finish(self) -> Voxels:
-        """Returns the answer without bricks, with report, certificate and warnings. Call it after the last batch."""
+        """Returns the answer with report, certificate and warnings. Call it after the last batch.
+
+        The batches had the voxels. So its arrays, index_box, dense() and save() throw FailedPrecondition.
+        """
         return _end(self._call, None, 2)
 
     def cancel(self) -> None:

@@ -201,7 +201,7 @@ class Grid(Bricks):
         self._voxels.save(os.fspath(path), npy == "dense", fields, allow_http)
 
     def _repr_png_(self) -> bytes:
-        """Returns a picture, for notebooks."""
+        """Returns a picture, for notebooks. Errors: as save."""
         with tempfile.TemporaryDirectory() as directory:
             path = pathlib.Path(directory) / "voxels.png"
             self.save(path)
