@@ -135,8 +135,15 @@ SharedVoxels Call::Wait(const py::object& progress) {
     work_->Change([&] { share = progress_; });
     progress(share);
   };
-  work_->Await([] { return false; }, glance);
-  Check(work_->status());
+  // The call cannot end while it has no room for more batches.
+  const auto is_blocked = [this] { return !batches_.empty() && !work_->cancellation().cancelled(); };
+  if (work_->Await(is_blocked, glance)) Check(work_->status());
+  bool any_left = false;
+  work_->Change([&] { any_left = !batches_.empty(); });
+  if (any_left) {
+    Check(absl::FailedPreconditionError(
+        "finish: the stream has batches left; take all of them first, or cancel the call"));
+  }
   return answer_;
 }
 

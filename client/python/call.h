@@ -46,7 +46,8 @@ class Call {
   // Throws as ParseKeywords and MeshOfArrays.
   Call(const Connection& connection, const pybind11::object& mesh, const pybind11::dict& keywords, bool streams);
 
-  // Waits for the end and returns the answer, with the bricks unless it streams. Throws the call's error.
+  // Waits for the end and returns the answer, with the bricks unless it streams. Throws the call's error, and
+  // FAILED_PRECONDITION if Next has not returned all batches.
   //   progress   called with a number from 0 to 1, up to twenty times a second; or None
   SharedVoxels Wait(const pybind11::object& progress);
 

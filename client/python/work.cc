@@ -90,12 +90,12 @@ absl::Status Work::AwaitReady(const std::function<bool()>& is_ready) {
   return cancellation_.cancelled() ? absl::CancelledError("cancelled") : absl::OkStatus();
 }
 
-void Work::Await(const std::function<bool()>& is_ready, const std::function<void()>& glance) {
+bool Work::Await(const std::function<bool()>& is_ready, const std::function<void()>& glance) {
   for (;;) {
     {
       const py::gil_scoped_release release;
       std::unique_lock lock(mutex_);
-      if (changed_.wait_for(lock, kGlance, [&] { return ended_ || is_ready(); })) return;
+      if (changed_.wait_for(lock, kGlance, [&] { return ended_ || is_ready(); })) return ended_;
     }
     try {
       if (PyErr_CheckSignals() != 0) throw py::error_already_set();

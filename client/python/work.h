@@ -55,8 +55,8 @@ class Work {
 
   // For Python, with the GIL, which it releases: waits until `is_ready`, or until the work has ended. Meanwhile runs
   // the handlers of signals and `glance`, twenty times a second. If one of these throws, such as KeyboardInterrupt,
-  // cancels the work, waits for its end, and throws that.
-  void Await(const std::function<bool()>& is_ready, const std::function<void()>& glance = nullptr);
+  // cancels the work, waits for its end, and throws that. Returns whether the work has ended.
+  bool Await(const std::function<bool()>& is_ready, const std::function<void()>& glance = nullptr);
   // After its end.
   const absl::Status& status() const { return status_; }
 

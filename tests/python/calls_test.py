@@ -132,6 +132,22 @@ def test_a_stream_is_the_whole_in_order():
         assert (answer.digest, answer.report["voxels"], len(answer)) == (v.digest, len(v), len(v))
 
 
+def test_a_stream_is_finished_after_its_last_batch():
+    with latvox.stream(BUNNY, resolution=400, fields=["distance", "normal"]) as stream:
+        for _ in range(2):  # once before the first batch is there
+            with pytest.raises(latvox.FailedPrecondition, match="the stream has batches left"):
+                stream.finish()
+        next(stream)
+        with pytest.raises(latvox.FailedPrecondition, match="the stream has batches left"):
+            stream.finish()
+        assert len(list(stream)) > 3  # more than may wait
+        assert stream.finish().digest
+    with latvox.stream(BUNNY, **LONG) as stream:
+        next(stream)
+    with pytest.raises(latvox.Cancelled):
+        stream.finish()
+
+
 def test_the_answer_of_a_stream_has_no_voxels(tmp_path):
     with latvox.stream(MESH, resolution=20, fields="part") as stream:
         count = sum(map(len, stream))

@@ -113,6 +113,7 @@ class Stream:
         """Returns the answer with report, certificate and warnings. Call it after the last batch.
 
         The batches had the voxels. So its arrays, index_box, dense() and save() throw FailedPrecondition.
+        Errors: those of the call; FailedPrecondition before the last batch.
         """
         return _end(self._call, None, 2)
 
