@@ -67,13 +67,27 @@ def test_a_client_ends_its_server():
         client.voxelize(MESH)
 
 
-def test_a_lost_private_server_is_replaced():
+def take_stream(finish):
+    """Takes all batches of a stream, or the answer alone."""
+
+    def take(mesh, **options):
+        stream = latvox.stream(mesh, **options)
+        return stream.finish() if finish else list(stream)
+
+    return take
+
+
+@pytest.mark.parametrize(
+    "call",
+    [latvox.voxelize, take_stream(False), take_stream(True), lambda mesh, **options: list(latvox.voxelize_many([mesh], **options))],
+)
+def test_a_lost_private_server_is_replaced(call):
     latvox.voxelize(MESH, resolution=9, threads=2)
     client = latvox._calls._private[2]
     (lost,) = [pid for pid in servers_of(os.getpid()) if "--threads\x002" in pathlib.Path(f"/proc/{pid}/cmdline").read_text()]
     os.kill(lost, signal.SIGKILL)
     with pytest.raises(latvox.Unavailable) as caught:
-        latvox.voxelize(MESH, resolution=9, threads=2)
+        call(MESH, resolution=9, threads=2)
     assert isinstance(caught.value, ConnectionError)
     assert latvox.voxelize(MESH, resolution=9, threads=2).digest
     assert latvox._calls._private.pop(2) is not client

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import collections
+import contextlib
 import inspect
 import os
 import pathlib
@@ -54,10 +55,11 @@ def _begin(client: Client, mesh: Any, options: Mapping[str, Any], streams: bool 
     return _latvox.Call(client._connection, source, {**client._options, **options}, streams)
 
 
-def _end(call: _latvox.Call, progress: Optional[Progress], depth: int) -> Voxels:
+def _end(client: Client, call: _latvox.Call, progress: Optional[Progress], depth: int) -> Voxels:
     shown = _Shown(sys.stderr) if progress is True and sys.stderr is not None else None
     try:
-        voxels = Voxels(call.wait(shown if progress is True else progress or None))
+        with _forgetting(client):
+            voxels = Voxels(call.wait(shown if progress is True else progress or None))
     finally:
         if shown is not None:
             shown.end()
@@ -95,7 +97,8 @@ class Stream:
     The server waits while three batches wait. Leaving a `with` block, or dropping the stream, cancels the rest.
     """
 
-    def __init__(self, call: _latvox.Call) -> None:
+    def __init__(self, client: Client, call: _latvox.Call) -> None:
+        self._client = client
         self._call = call
 
     def __iter__(self) -> Stream:
@@ -104,7 +107,8 @@ class Stream:
 
     def __next__(self) -> Bricks:
         """Waits for the next batch."""
-        batch = self._call.next()
+        with _forgetting(self._client):
+            batch = self._call.next()
         if batch is None:
             raise StopIteration
         return Bricks(batch)
@@ -115,7 +119,7 @@ class Stream:
         The batches had the voxels. So its arrays, index_box, dense() and save() throw FailedPrecondition.
         Errors: those of the call; FailedPrecondition before the last batch.
         """
-        return _end(self._call, None, 2)
+        return _end(self._client, self._call, None, 2)
 
     def cancel(self) -> None:
         """Ends the call soon."""
@@ -153,11 +157,11 @@ class Client:
         self, mesh: Any, *, progress: Optional[Progress] = None, **options: Unpack[ClientCallOptions]
     ) -> Voxels:
         """Voxelizes a mesh, and waits for all voxels. See latvox.voxelize."""
-        return _end(_begin(self, mesh, options), progress, 2)
+        return _end(self, _begin(self, mesh, options), progress, 2)
 
     def stream(self, mesh: Any, **options: Unpack[ClientCallOptions]) -> Stream:
         """Begins to voxelize a mesh. See latvox.stream."""
-        return Stream(_begin(self, mesh, options, streams=True))
+        return Stream(self, _begin(self, mesh, options, streams=True))
 
     def voxelize_many(
         self, meshes: Iterable[Any], *, jobs: Optional[int] = None, **options: Unpack[ClientCallOptions]
@@ -184,10 +188,10 @@ def _many(client: Client, meshes: Iterable[Any], jobs: Optional[int], options: M
     try:
         for mesh in meshes:
             if len(calls) == most:
-                yield _end(calls.popleft(), None, 2)
+                yield _end(client, calls.popleft(), None, 2)
             calls.append(_begin(client, mesh, options))
         while calls:
-            yield _end(calls.popleft(), None, 2)
+            yield _end(client, calls.popleft(), None, 2)
     finally:
         for call in calls:
             call.cancel()
@@ -220,11 +224,16 @@ def _choose(options: Mapping[str, Any]) -> tuple[Client, Dict[str, Any]]:
         return _private[threads], others
 
 
-def _forget(client: Client) -> None:
-    """A lost private server does not come back: the next call starts another one."""
-    with _lock:
-        for threads in [key for key, value in _private.items() if value is client]:
-            del _private[threads]
+@contextlib.contextmanager
+def _forgetting(client: Client) -> Iterator[None]:
+    """Forgets a lost private server, which does not come back: the next call starts another one."""
+    try:
+        yield
+    except Unavailable:
+        with _lock:
+            for threads in [key for key, value in _private.items() if value is client]:
+                del _private[threads]
+        raise
 
 
 def voxelize(mesh: Any, *, progress: Optional[Progress] = None, **options: Unpack[AllOptions]) -> Voxels:
@@ -244,11 +253,7 @@ def voxelize(mesh: Any, *, progress: Optional[Progress] = None, **options: Unpac
     latvox.VoxelizeWarning.
     """
     client, others = _choose(options)
-    try:
-        return _end(_begin(client, mesh, others), progress, 2)
-    except Unavailable:
-        _forget(client)
-        raise
+    return _end(client, _begin(client, mesh, others), progress, 2)
 
 
 def stream(mesh: Any, **options: Unpack[AllOptions]) -> Stream:
@@ -257,7 +262,7 @@ def stream(mesh: Any, **options: Unpack[AllOptions]) -> Stream:
     mesh, options: as for voxelize.
     """
     client, others = _choose(options)
-    return Stream(_begin(client, mesh, others, streams=True))
+    return Stream(client, _begin(client, mesh, others, streams=True))
 
 
 def voxelize_many(
