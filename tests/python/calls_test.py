@@ -54,6 +54,18 @@ def test_one_private_server_serves_all_calls_of_the_process():
     assert servers_of(os.getpid()) == before
 
 
+def test_none_chooses_no_other_server():
+    latvox.voxelize(MESH, resolution=9)
+    before = set(latvox._calls._private.values())
+    nothing = {name: None for name, facts in latvox.KEYWORDS.items() if facts["scope"] == "connection"}
+    assert {"server", "tls", "token_file"} < nothing.keys()
+    client, others = latvox._calls._choose({**nothing, "resolution": 9})
+    assert client in before and others == {"resolution": 9}
+    servers = servers_of(os.getpid())
+    with latvox.stream(MESH, resolution=9, **nothing) as stream:
+        assert sum(map(len, stream)) > 0 and servers_of(os.getpid()) == servers
+
+
 def test_a_client_ends_its_server():
     before = set(servers_of(os.getpid()))
     with latvox.Client(threads=1) as client:

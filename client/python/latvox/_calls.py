@@ -211,10 +211,11 @@ os.register_at_fork(after_in_child=_after_fork)
 
 
 def _choose(options: Mapping[str, Any]) -> tuple[Client, Dict[str, Any]]:
-    """Returns the client that the options name, and the other options."""
-    chosen = {name: options[name] for name in options if KEYWORDS.get(name, {}).get("scope") == "connection"}
-    others = {name: value for name, value in options.items() if name not in chosen}
+    """Returns the client that the options name, and the other options. None chooses nothing."""
+    of_client = {name for name in options if KEYWORDS.get(name, {}).get("scope") == "connection"}
+    others = {name: value for name, value in options.items() if name not in of_client}
     _refuse_unknown(others, "request", "call")
+    chosen = {name: options[name] for name in of_client if options[name] is not None}
     if chosen.keys() - {"threads"}:
         return Client(chosen.pop("server", None), **chosen), others
     threads = chosen.get("threads")
