@@ -262,6 +262,21 @@ class Science(ArrayCase):
                 facts = json.loads(latvox("info", "--json", self.dir / name).stdout)
                 self.assertEqual((facts["voxels"], facts["shape"]), (self.summary["voxels"], list(arrays["data"].shape)))
 
+    def test_images_far_from_the_origin_are_at_their_places(self):
+        """Floats move voxels of 0.1 there, which NIfTI-1 has: at 5e6 by a whole one."""
+        for far, version in ((300, nibabel.Nifti1Image), (5e6, nibabel.Nifti2Image)):
+            mesh = write_obj(self.dir / "far.obj", box((far + 0.03, -far, 7), (far + 1.03, 1 - far, 8)))
+            arrays = self.write(mesh, IMAGES, "--voxel-size", "0.1,0.1,0.13")
+            corners = [(*(shape[m] - 1 if n >> m & 1 else 0 for m in range(3)), 1) for shape in [arrays["data"].shape] for n in range(8)]
+            for extension in IMAGES:
+                with self.subTest(extension, far=far):
+                    array, affine = read(self.dir / f"a{extension}")
+                    numpy.testing.assert_array_equal(array, arrays["data"])
+                    shifts = numpy.array(corners) @ (affine - arrays["affine"]).T
+                    self.assertLess(abs(shifts).max(), 1e-3 * 0.1)
+            for name in ("a.nii", "a.nii.gz"):
+                self.assertIs(type(nibabel.load(self.dir / name)), version)
+
     def test_a_binvox_takes_memory_for_bricks_alone(self):
         mesh = write_obj(self.dir / "cube.obj", box((0, 0, 0), (1, 1, 1)))
         peak = self.peak_memory("voxelize", mesh, "--resolution", "400", "--set", "interior", "-o", self.dir / "a.binvox")

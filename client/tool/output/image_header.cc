@@ -108,6 +108,25 @@ std::string HeaderOf(const NiftiLayout& layout, const ImageFacts& image) {
   return header;
 }
 
+// Returns how far the sform of NIfTI-1 moves a corner of the box: its numbers are floats.
+double GreatestShift(const ImageFacts& image) {
+  const auto lost = [](double x) { return double{static_cast<float>(x)} - x; };
+  double most = 0;
+  for (unsigned corner = 0; corner < 8; ++corner) {
+    Vec3d shift{};
+    for (size_t n = 0; n < 3; ++n) {
+      shift[n] = lost(image.corner[n]);
+      const Vec3d* const steps[] = {&image.basis.a, &image.basis.b, &image.basis.c};
+      for (size_t m = 0; m < 3; ++m) {
+        const double index = (corner >> m & 1) != 0 ? static_cast<double>(image.shape[m] - 1) : 0;
+        shift[n] += index * lost((*steps[m])[n]);
+      }
+    }
+    most = std::max(most, Length(shift));
+  }
+  return most;
+}
+
 // Returns lines of keys and values for the labels with names. Slicer numbers segments without gaps.
 std::string SegmentLines(const std::vector<std::string>& names) {
   std::string lines;
@@ -153,14 +172,17 @@ std::string MetaImageHeader(const ImageFacts& image, const std::string& data_fil
   return MetaImageHead(image, "CompressedData = False\n", data_file);
 }
 
-bool NeedsNifti2(const std::array<uint64_t, 3>& shape) {
+bool NeedsNifti2(const ImageFacts& image) {
   constexpr uint64_t kMost = std::numeric_limits<int16_t>::max();
-  return *std::max_element(shape.begin(), shape.end()) > kMost;
+  constexpr double kMostShift = 1e-3;  // of a step
+  if (*std::max_element(image.shape.begin(), image.shape.end()) > kMost) return true;
+  const auto& [a, b, c] = image.basis;
+  return GreatestShift(image) > kMostShift * std::min({Length(a), Length(b), Length(c)});
 }
 
 std::string NiftiHeader(const ImageFacts& image) {
-  return NeedsNifti2(image.shape) ? HeaderOf<int64_t, double, int32_t>(kNifti2, image)
-                                  : HeaderOf<int16_t, float, int16_t>(kNifti1, image);
+  return NeedsNifti2(image) ? HeaderOf<int64_t, double, int32_t>(kNifti2, image)
+                            : HeaderOf<int16_t, float, int16_t>(kNifti1, image);
 }
 
 }  // namespace latvox::client

@@ -39,8 +39,9 @@ std::string MetaImageHeader(const ImageFacts& image, uint64_t compressed_bytes);
 // The same for data as they are, in another file.
 std::string MetaImageHeader(const ImageFacts& image, const std::string& data_file);
 
-// Returns whether a side exceeds the 32767 elements of NIfTI-1.
-bool NeedsNifti2(const std::array<uint64_t, 3>& shape);
+// Returns whether NIfTI-1 cannot hold the image: a side exceeds 32767 elements, or the floats of its sform move a
+// corner of the box by more than a thousandth of the shortest step.
+bool NeedsNifti2(const ImageFacts& image);
 
 // NIfTI-1 of one file, 352 bytes; if NeedsNifti2, NIfTI-2, 544 bytes. sform is the basis, in floats or doubles; its
 // code says "aligned to another file", the mesh. There is no qform, because a quaternion knows only right angles. The
