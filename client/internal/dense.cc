@@ -83,6 +83,8 @@ void Fill(const BrickBatch& all, DenseVoxels& dense) {
   });
 }
 
+}  // namespace
+
 absl::StatusOr<DenseVoxels> ToDense(const BrickBatch& all, const IndexBox& box, uint64_t most_points) {
   absl::StatusOr<DenseVoxels> dense = Shaped(box, most_points);
   if (!dense.ok()) return dense;
@@ -94,8 +96,6 @@ absl::StatusOr<DenseVoxels> ToDense(const BrickBatch& all, const IndexBox& box, 
   }
   return dense;
 }
-
-}  // namespace
 
 absl::StatusOr<DenseVoxels> ToDense(std::span<const Brick> bricks, const IndexBox& box, uint64_t most_points) {
   return ToDense(BrickBatch{.bricks = bricks}, box, most_points);

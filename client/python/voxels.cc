@@ -1,6 +1,7 @@
 #include "client/python/voxels.h"
 
 #include <algorithm>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -159,15 +160,13 @@ py::array FieldArray(const SharedVoxels& voxels, const std::string& field) {
 
 py::tuple Dense(const Voxels& voxels, const std::optional<IndexBox>& box, const std::string& field) {
   CheckPresent(voxels);
-  Field wanted = Field::kPart;
-  if (!field.empty()) wanted = Find(voxels.all.fields, field).field;
+  std::span<const FieldValues> wanted;
+  if (!field.empty()) wanted = {&Find(voxels.all.fields, field), 1};
   absl::StatusOr<DenseVoxels> made;
   {
     const py::gil_scoped_release release;
     const absl::StatusOr<IndexBox> whole = box ? *box : BoxOf(voxels);
-    made = !whole.ok()     ? whole.status()
-           : field.empty() ? ToDense(voxels.all.bricks, *whole)
-                           : ToDense(voxels.all, *whole);
+    made = whole.ok() ? ToDense(BrickBatch{.bricks = voxels.all.bricks, .fields = wanted}, *whole) : whole.status();
   }
   DenseVoxels dense = Checked(std::move(made));
   std::vector<py::ssize_t> shape(dense.shape.begin(), dense.shape.end());
@@ -176,10 +175,10 @@ py::tuple Dense(const Voxels& voxels, const std::optional<IndexBox>& box, const 
     const uint8_t* const data = dense.voxels.data();
     return py::make_tuple(py::array(py::dtype("?"), shape, data, Owner(std::move(dense.voxels))), low);
   }
-  FieldValues& values = *std::ranges::find(dense.fields, wanted, &FieldValues::field);
+  FieldValues& values = dense.fields.front();
   if (HasColumns(values)) shape.push_back(static_cast<py::ssize_t>(values.components()));
   const std::byte* const data = values.bytes.data();
-  return py::make_tuple(py::array(TypeOf(wanted), shape, data, Owner(std::move(values.bytes))), low);
+  return py::make_tuple(py::array(TypeOf(values.field), shape, data, Owner(std::move(values.bytes))), low);
 }
 
 namespace {

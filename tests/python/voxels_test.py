@@ -116,6 +116,19 @@ def test_dense_of_a_box():
         v.dense("part")
 
 
+def test_dense_of_a_field_takes_memory_for_that_field_alone(run):
+    """Of 105 bytes a point that an array of each field takes, it needs 5."""
+    process = run("""
+import latvox, os, resource
+v = latvox.voxelize(os.environ["BUNNY"], resolution=20, set="links", fields=["part", "links"])
+points, before = 300**3, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+v.dense("part", box=((0, 0, 0), (300, 300, 300)))
+print((resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) * 1024 / points)
+""")
+    out, error = process.communicate(timeout=60)
+    assert error == "" and float(out) < 7, out
+
+
 def test_links_have_a_column_for_each_neighbor(tmp_path):
     fields = ["links", "link_triangles", "link_crossings"]
     v = latvox.voxelize(MESH, resolution=10, set="links", fields=fields)

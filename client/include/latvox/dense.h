@@ -50,6 +50,10 @@ LATVOX_EXPORT absl::StatusOr<DenseVoxels> ToDense(std::span<const Brick> bricks,
 LATVOX_EXPORT absl::StatusOr<DenseVoxels> ToDense(const Voxelization& all, const IndexBox& box,
                                                   uint64_t most_points = kMostDensePoints);
 
+// Does the same with the fields of `all` alone, which may be some of those that voxels carry.
+LATVOX_EXPORT absl::StatusOr<DenseVoxels> ToDense(const BrickBatch& all, const IndexBox& box,
+                                                  uint64_t most_points = kMostDensePoints);
+
 // Does the same for Accepted::index_box, which has all voxels; without any, the array has no point.
 LATVOX_EXPORT absl::StatusOr<DenseVoxels> ToDense(const Voxelization& all, uint64_t most_points = kMostDensePoints);
 

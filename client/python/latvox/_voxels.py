@@ -166,8 +166,8 @@ class Grid(Bricks):
             is -1, and others are 0. None: True for voxels.
         box: (low, high), two lattice points: low <= ijk < high. None: index_box, with the call's dims and pad.
 
-        Errors: InvalidArgument if the voxels do not fit into dims, or for more than 2**30 points.
-        Memory: a byte, or the bytes of the field, for each point.
+        Errors: InvalidArgument if the voxels do not fit into dims; ResourceExhausted for more than 2**30 points.
+        Memory: a byte for each point, and the bytes of the field.
         """
         corners = None if box is None else tuple(tuple(int(x) for x in corner) for corner in box)
         data, low = self._voxels.dense(corners, field or "")

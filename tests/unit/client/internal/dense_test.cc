@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "latvox/error.h"
@@ -92,6 +93,16 @@ TEST(Dense, LeavesOutVoxelsOutsideOfTheBox) {
   EXPECT_THAT(dense->voxels, ElementsAre(1, 0));
   EXPECT_EQ(dense->fields[0].As<float>()[0], 0);
   EXPECT_THAT(dense->fields[1].As<uint32_t>(), ElementsAre(30, 0xFFFFFFFF));
+}
+
+TEST(Dense, HasTheFieldsOfABatchAlone) {
+  const Voxelization all = Four();
+  const IndexBox box{{-6, -8, 1}, {-5, -7, 3}};
+  const auto dense = ToDense(BrickBatch{.bricks = all.bricks, .fields = std::span(all.fields).subspan(1)}, box);
+  ASSERT_TRUE(dense.ok()) << dense.status();
+  EXPECT_THAT(dense->voxels, ElementsAre(1, 0));
+  ASSERT_EQ(dense->fields.size(), 1);
+  EXPECT_THAT(dense->fields[0].As<uint32_t>(), ElementsAre(30, 0xFFFFFFFF));
 }
 
 TEST(Dense, OfNothingIsEmpty) {
