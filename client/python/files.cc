@@ -36,9 +36,11 @@ SharedVoxels OpenFile(const std::string& path) {
   return voxels;
 }
 
-void Convert(const std::string& path, const py::dict& keywords) {
+py::list Convert(const std::string& path, const py::dict& keywords) {
   const ConvertOptions options = Checked(ParseConvertKeywords(keywords, path));
-  RunOnFiles([&](Work& work) { return RunConvert(options, work.cancellation()).status(); });
+  std::vector<Warning> warnings;
+  RunOnFiles([&](Work& work) { return RunConvert(options, work.cancellation(), warnings).status(); });
+  return ListOf(warnings);
 }
 
 std::string Merge(const std::vector<std::string>& parts, const std::string& out) {

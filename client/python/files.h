@@ -15,9 +15,9 @@ namespace latvox::client::python {
 // ReadVoxelFile.
 SharedVoxels OpenFile(const std::string& path);
 
-// Writes the voxels of a file in other formats, as `latvox convert` does. Throws as ParseConvertKeywords and
-// RunConvert.
-void Convert(const std::string& path, const pybind11::dict& keywords);
+// Writes the voxels of a file in other formats, as `latvox convert` does, and returns its warnings. Throws as
+// ParseConvertKeywords and RunConvert.
+pybind11::list Convert(const std::string& path, const pybind11::dict& keywords);
 
 // Joins parts, as `latvox merge` does. Returns its JSON. Throws the errors of RunMerge.
 std::string Merge(const std::vector<std::string>& parts, const std::string& out);

@@ -29,4 +29,10 @@ void Check(const absl::Status& status) {
   throw py::error_already_set();
 }
 
+py::list ListOf(const std::vector<Warning>& warnings) {
+  py::list all;
+  for (const auto& [code, message, element] : warnings) all.append(py::make_tuple(message, code, element));
+  return all;
+}
+
 }  // namespace latvox::client::python

@@ -184,7 +184,8 @@ py::tuple Dense(const Voxels& voxels, const std::optional<IndexBox>& box, const 
 namespace {
 
 // Writes to the one output of the options.
-absl::Status Write(const Voxels& voxels, const VoxelizeOptions& options, const Cancellation& cancellation) {
+absl::Status Write(const Voxels& voxels, const VoxelizeOptions& options, const Cancellation& cancellation,
+                   std::vector<Warning>& warnings) {
   const auto files = RemoteFiles::Fetch(options, MakeCallOptions(options.server, cancellation));
   if (!files.ok()) return files.status();
   const auto output = (*files)->Open(options.outputs.front(), voxels.request);
@@ -193,6 +194,7 @@ absl::Status Write(const Voxels& voxels, const VoxelizeOptions& options, const C
   if (absl::Status status = (*output)->Begin(voxels.all.accepted); !status.ok()) return (*files)->Named(status);
   const BrickBatch batch{voxels.all.bricks, 1, voxels.all.fields};
   if (absl::Status status = (*output)->Add(batch); !status.ok()) return (*files)->Named(status);
+  warnings = (*output)->Warnings();
   if (absl::Status status = (*output)->Finish(voxels.all.summary); !status.ok()) return (*files)->Named(status);
   return cancellation.cancelled() ? absl::CancelledError("cancelled") : (*output)->Commit();
 }
@@ -210,7 +212,8 @@ absl::Status SelectArray(const std::string& array, VoxelizeOptions& options) try
 
 }  // namespace
 
-void Save(const Voxels& voxels, const std::string& path, bool dense_npy, const std::string& array, bool allow_http) {
+py::list Save(const Voxels& voxels, const std::string& path, bool dense_npy, const std::string& array,
+              bool allow_http) {
   CheckPresent(voxels);
   VoxelizeOptions options;
   options.request = voxels.request;
@@ -220,7 +223,9 @@ void Save(const Voxels& voxels, const std::string& path, bool dense_npy, const s
   options.remote.allow_http = allow_http;
   Check(NameRemoteOutputs(options.outputs, options.remote));  // first: the query of a URL hides the extension
   if (!array.empty()) Check(SelectArray(array, options));
-  RunOnFiles([&](Work& work) { return Write(voxels, options, work.cancellation()); });
+  std::vector<Warning> warnings;
+  RunOnFiles([&](Work& work) { return Write(voxels, options, work.cancellation(), warnings); });
+  return ListOf(warnings);
 }
 
 }  // namespace latvox::client::python

@@ -61,9 +61,11 @@ pybind11::array FieldArray(const SharedVoxels& voxels, const std::string& field)
 // lattice point [0, 0, 0]. Its elements are bool, or the values of a field. Throws as ToDense and ShapedBox.
 pybind11::tuple Dense(const Voxels& voxels, const std::optional<IndexBox>& box, const std::string& field);
 
-// Writes a file or a remote object, as `latvox voxelize -o` does. Throws the errors of OpenOutput and RemoteFiles.
+// Writes a file or a remote object, as `latvox voxelize -o` does, and returns its warnings. Throws the errors of
+// OpenOutput and RemoteFiles.
 //   array   value of --array; empty: that of the call
-void Save(const Voxels& voxels, const std::string& path, bool dense_npy, const std::string& array, bool allow_http);
+pybind11::list Save(const Voxels& voxels, const std::string& path, bool dense_npy, const std::string& array,
+                    bool allow_http);
 
 }  // namespace latvox::client::python
 

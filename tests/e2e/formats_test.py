@@ -10,7 +10,7 @@ import unittest
 import numpy
 import pyopenvdb
 
-from harness import BUNNY, NODE, PATIENCE, Case, by_three, latvox, read_points, rows
+from harness import BUNNY, NODE, PATIENCE, Case, box, by_three, latvox, read_points, rows
 from inputs import write_named_obj
 
 BCC = ["--lattice", "bcc", "--resolution", "40"]
@@ -300,6 +300,51 @@ class Formats(Case):
         self.assertEqual(min(v[2] for v in found), 0)
         info = json.loads(latvox("info", self.dir / "a.vox", "--json").stdout)
         self.assertEqual((info["voxels"], info["models"]), (len(found), len(models)))
+
+    def labeled(self, field, count, *options):
+        """Writes boxes that are each another part or material. Returns the done call, and for each number of a.csv the
+        numbers of the palette in a.vox."""
+        mesh, lines, first = self.dir / "m.obj", [], 1
+        for n in range(count):
+            vertices, triangles = box((3 * n, 0, 0), (3 * n + 2, 2, 2))
+            lines += [f"o part{n}", f"usemtl material{n}", *(f"v {x} {y} {z}" for x, y, z in vertices)]
+            lines += [f"f {a + first} {b + first} {c + first}" for a, b, c in triangles]
+            first += len(vertices)
+        mesh.write_text("\n".join(lines))
+        done = latvox("voxelize", mesh, "-o", self.dir / "a.vox", "-o", self.dir / "a.csv", "--voxel-size", "1", "--separability", "2",
+                      "--fields", field, "--json", *options)  # fmt: skip
+        if done.returncode != 0:
+            return done, {}
+        models, palette = self.scene("a.vox")
+        found = {tuple(l + x for l, x in zip(low, v)): number for low, model in models for v, number in model.items()}
+        with open(self.dir / "a.csv", encoding="utf-8") as file:
+            expected = {tuple(int(row[c]) for c in "ijk"): int(row[field]) for row in csv.DictReader(file)}
+        shift = [min(v[m] for v in found) - min(v[m] for v in expected) for m in range(3)]
+        numbers = {}
+        for v, label in expected.items():
+            numbers.setdefault(label, set()).add(found[tuple(x + s for x, s in zip(v, shift))])
+        self.assertEqual(len(numbers), count)
+        return done, numbers
+
+    def test_a_palette_keeps_parts_and_materials_apart(self):
+        for field, count in (("part", 13), ("material", 255)):
+            done, numbers = self.labeled(field, count, "--strict")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertEqual(numbers, {n: {n + 1} for n in range(count)})
+
+    def test_a_palette_that_is_too_small_is_a_warning(self):
+        done, numbers = self.labeled("material", 256)
+        self.assertEqual(set.union(*numbers.values()), {*range(1, 13)})
+        (warning,) = json.loads(done.stdout)["warnings"]
+        path = str(self.dir / "a.vox")
+        self.assertEqual((warning["code"], warning["element"]), ("COLORS_MERGED", path))
+        self.assertEqual(warning["message"], f"{path}: has 12 colors for the 256 materials of the voxels, so it does not tell all of them apart")
+        self.assertIn(warning["message"], done.stderr)
+        (self.dir / "a.vox").unlink()
+        done, _ = self.labeled("material", 256, "--strict")
+        self.assertNotEqual(done.returncode, 0)
+        self.assertIn("COLORS_MERGED", done.stderr)
+        self.assertFalse((self.dir / "a.vox").exists())
 
     def test_imagemagick_sees_the_picture(self):
         self.write(["a.png"], *BCC)

@@ -210,6 +210,23 @@ def test_save_of_fields_replaces_and_refuses(bunny, tmp_path):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a.csv"]
 
 
+def test_files_that_merge_parts_warn(tmp_path):
+    size = 0.5
+    parts = [box([2 * n, 0, 0], [2 * n + 1, 1, 1]) for n in range(13)]
+    paths = [write_obj(tmp_path / f"{n}.obj", part) for n, part in enumerate(parts)]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        v = latvox.voxelize(paths, voxel_size=size, fields="part", out=tmp_path / "a.vdb")
+        v.save(tmp_path / "a.vox")
+        latvox.convert(tmp_path / "a.vdb", tmp_path / "a.vox")
+    for write in (v.save, lambda path: latvox.convert(tmp_path / "a.vdb", path)):
+        with pytest.warns(latvox.VoxelizeWarning, match="has 12 colors for the 13 parts") as caught:
+            write(tmp_path / "a.glb")
+        (warning,) = caught.list
+        assert (warning.message.code, warning.message.element) == ("COLORS_MERGED", str(tmp_path / "a.glb"))
+        assert warning.filename == __file__
+
+
 @pytest.mark.parametrize("take", [iter, list, np.asarray, np.array, np.sum, lambda v: v[0], lambda v: [*v], lambda v: v[:3]])
 def test_voxels_are_no_sequence_and_no_array(bunny, take):
     with pytest.raises(TypeError, match=r"; take ijk, points, dense\(\) or the values of a field, such as v\['distance'\]$"):

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any, Optional
+import warnings
+from typing import Any, List, Optional, Tuple
 
 
 class Error(Exception):
@@ -92,6 +93,12 @@ class VoxelizeWarning(UserWarning):
 
     def __reduce__(self) -> tuple:
         return VoxelizeWarning, (self.message, self.code, self.element)
+
+
+def warn(found: List[Tuple[str, str, str]], depth: int) -> None:
+    """Shows warnings of the module _latvox, at the caller of `depth` functions."""
+    for message, code, element in found:
+        warnings.warn(VoxelizeWarning(message, code, element), stacklevel=depth + 1)
 
 
 _BY_CODE = {kind.code: kind for kind in Error.__subclasses__()}

@@ -9,7 +9,7 @@ from typing import Any, Dict, Iterable, List, Literal, Optional, Sequence, Union
 import numpy as np
 
 from . import _latvox
-from ._errors import InvalidArgument
+from ._errors import InvalidArgument, warn
 from ._voxels import Grid
 
 _Path = Union[str, "os.PathLike[str]"]
@@ -45,10 +45,10 @@ def convert(
     fields: fields of the file to write, or "none"; None: all.
     npy, array, dims, pad: as for voxelize.
 
-    Errors: InvalidArgument, if the file lacks a field, or if a format cannot hold the fields or the lattice.
+    Warnings: latvox.VoxelizeWarning. Errors: InvalidArgument, if the file lacks a field, or if a format cannot hold the fields or the lattice.
     """
     options: Dict[str, Any] = {"fields": fields, "npy": npy, "array": array, "dims": dims, "pad": pad}
-    _latvox.convert(_word(path), {"out": out, **options})
+    warn(_latvox.convert(_word(path), {"out": out, **options}), 2)
 
 
 def merge(parts: Iterable[_Path], out: _Path) -> Dict[str, Any]:

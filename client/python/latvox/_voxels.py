@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Dict, List, NamedTuple, NoReturn, Optiona
 import numpy as np
 
 from . import _latvox
-from ._errors import VoxelizeWarning
+from ._errors import VoxelizeWarning, warn
 
 _NOTES = ("EMPTY_SHARD",)  # warnings of a shard that is as it should be
 
@@ -190,6 +190,8 @@ class Grid(Bricks):
         npy: content of a .npy, "coordinates" or "dense".
         allow_http: whether an http: URL may be of another machine. Everybody in between can read and change the file.
         array: fields of a file that cannot hold all, such as .nii; or "none". None: the call's array, else all fields.
+
+        Warnings: latvox.VoxelizeWarning, if the file lacks something although its format holds the fields.
         """
         if npy not in ("coordinates", "dense"):
             raise ValueError(f'npy: "{npy}" is not one of coordinates, dense')
@@ -198,7 +200,7 @@ class Grid(Bricks):
             fields = array if isinstance(array, str) else ",".join(array)
             if not fields:
                 raise ValueError('array: is empty; "none" selects no field')
-        self._voxels.save(os.fspath(path), npy == "dense", fields, allow_http)
+        warn(self._voxels.save(os.fspath(path), npy == "dense", fields, allow_http), 2)
 
     def _repr_png_(self) -> bytes:
         """Returns a picture, for notebooks. Errors: as save."""

@@ -162,7 +162,8 @@ absl::StatusOr<VoxelFile> ReadVoxelFile(const std::string& path, const std::opti
   return file;
 }
 
-absl::StatusOr<std::string> RunConvert(const ConvertOptions& options, const Cancellation& cancellation) {
+absl::StatusOr<std::string> RunConvert(const ConvertOptions& options, const Cancellation& cancellation,
+                                       std::vector<Warning>& warnings) {
   const auto file = ReadVoxelFile(options.input, options.fields, cancellation);
   if (!file.ok()) return file.status();
   OutputOptions output_options = file->output_options;
@@ -182,11 +183,11 @@ absl::StatusOr<std::string> RunConvert(const ConvertOptions& options, const Canc
     outputs.push_back(*std::move(output));
   }
   const BrickBatch batch = file->content.Batch();
-  const auto write = [&](Output& output) {
-    const absl::Status added = output.Add(batch);
-    return added.ok() ? output.Finish(file->summary) : added;
-  };
-  if (auto status = ForAllAtOnce(outputs, cancellation, write); !status.ok()) return status;
+  const auto add = [&](Output& output) { return output.Add(batch); };
+  if (auto status = ForAllAtOnce(outputs, cancellation, add); !status.ok()) return status;
+  warnings = WarningsOf(outputs);
+  const auto finish = [&](Output& output) { return output.Finish(file->summary); };
+  if (auto status = ForAllAtOnce(outputs, cancellation, finish); !status.ok()) return status;
   if (cancellation.cancelled()) return absl::CancelledError("cancelled");
   if (auto status = CommitAll(outputs); !status.ok()) return status;
   const std::vector<Field>& fields = file->request.fields;

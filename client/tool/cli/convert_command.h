@@ -14,6 +14,7 @@
 #include "latvox/fields.h"
 #include "latvox/grid/grid_content.h"
 #include "latvox/types.h"
+#include "latvox/warning.h"
 
 namespace latvox::client {
 
@@ -51,9 +52,12 @@ absl::StatusOr<VoxelFile> ReadVoxelFile(const std::string& path, const std::opti
                                         const Cancellation& cancellation);
 
 // Writes all voxels of the file with their fields. Dense arrays cover the box of the file's voxels. Returns the text
-// for standard output. The outputs appear only if everything succeeded. Errors, before a file is written:
+// for standard output. The outputs appear only if everything succeeded.
+//   warnings   receives those of the outputs
+// Errors, before a file is written:
 // INVALID_ARGUMENT: the file lacks a field; an output cannot hold the fields or the lattice, naming those that can.
-absl::StatusOr<std::string> RunConvert(const ConvertOptions& options, const Cancellation& cancellation);
+absl::StatusOr<std::string> RunConvert(const ConvertOptions& options, const Cancellation& cancellation,
+                                       std::vector<Warning>& warnings);
 
 }  // namespace latvox::client
 

@@ -197,7 +197,12 @@ class Program {
     Add(
         "convert", "Write the voxels and fields of a .vdb or .nvdb file in other formats", &AddConvertOptions, convert_,
         [](const auto& words) { return Interpret(words); },
-        [](const auto& options, Cancel cancel) { return Print(RunConvert(options, cancel)); });
+        [](const auto& options, Cancel cancel) {
+          std::vector<Warning> warnings;
+          const auto text = RunConvert(options, cancel, warnings);
+          for (const Warning& warning : warnings) Tell("warning: " + warning.message);
+          return Print(text);
+        });
     Add("compare", "Compare two .vdb or .nvdb files", &AddCompareOptions, compare_, checked,
         [](const auto* words, Cancel cancel) { return Compare(*words, cancel); });
   }

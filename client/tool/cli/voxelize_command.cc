@@ -203,8 +203,11 @@ absl::StatusOr<VoxelizeReport> RunJob(const VoxelizeOptions& given, const CallOp
   if (auto status = Warn(all, options.strict, hooks.say); !status.ok()) return status;
   all.insert(all.begin(), warnings.begin(), warnings.end());
   if (!outputs->empty()) hooks.on_stage(absl::StrCat("writing ", absl::StrJoin(options.outputs, ", ")));
+  const std::vector<Warning> of_files = WarningsOf(*outputs);
+  if (auto status = Warn(of_files, options.strict, hooks.say); !status.ok()) return status;
   const auto finish = [&](Output& output) { return output.Finish(report.summary); };
   if (auto status = ForAllAtOnce(*outputs, call.cancellation, finish); !status.ok()) return status;
+  all.insert(all.end(), of_files.begin(), of_files.end());  // last: a grid does not tell about other files
   if (auto status = CheckTime(call); !status.ok()) return status;
   if (auto status = CommitAll(*outputs); !status.ok()) return status;
   report.total_ms = absl::ToDoubleMilliseconds(absl::Now() - start);

@@ -32,6 +32,8 @@ class Output {
 
   virtual absl::Status Begin(const Accepted& accepted) = 0;
   virtual absl::Status Add(const BrickBatch& batch) = 0;
+  // Returns what the file will lack although its format holds the fields. Call it between the last Add and Finish.
+  virtual std::vector<Warning> Warnings() const { return {}; }
   virtual absl::Status Finish(const Summary& summary) = 0;  // afterward everything is on the disk
   virtual absl::Status Commit() = 0;
 };

@@ -42,6 +42,14 @@ absl::Status ForAllAtOnce(const Outputs& outputs, const Cancellation& cancellati
   return absl::OkStatus();
 }
 
+std::vector<Warning> WarningsOf(const Outputs& outputs) {
+  std::vector<Warning> all;
+  for (const auto& output : outputs) {
+    for (Warning& warning : output->Warnings()) all.push_back(std::move(warning));
+  }
+  return all;
+}
+
 absl::Status CommitAll(const Outputs& outputs) {
   for (const auto& output : outputs) {
     if (auto status = output->Commit(); !status.ok()) return status;

@@ -22,6 +22,9 @@ using Outputs = std::vector<std::unique_ptr<Output>>;
 absl::Status ForAllAtOnce(const Outputs& outputs, const Cancellation& cancellation,
                           const std::function<absl::Status(Output&)>& step);
 
+// Returns the warnings of all outputs, in their order.
+std::vector<Warning> WarningsOf(const Outputs& outputs);
+
 // Gives all files their names, in order, until one fails.
 absl::Status CommitAll(const Outputs& outputs);
 

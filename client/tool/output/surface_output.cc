@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "absl/container/flat_hash_map.h"
+#include "absl/container/flat_hash_set.h"
 #include "absl/strings/str_cat.h"
 #include "client/json/json.h"
 #include "client/mesh/srgb.h"
@@ -90,8 +91,8 @@ class Surface {
   uint64_t corners() const { return corners_; }
   uint64_t triangles() const { return triangles_; }
 
-  // Call append(bytes) with the bytes of one brick after the other, until it returns an error. `colors` has one color
-  // for each voxel, red << 16 | green << 8 | blue.
+  // Call append(bytes) with the bytes of one brick after the other, until it returns an error. `numbers` has one for
+  // each voxel, whose color is ColorOfNumber.
   template <class Append>
   absl::Status AppendCorners(const Append& append) {
     return ForEachBrick(append, [this](const Vec3i& ijk, size_t, const Pattern& pattern, std::string& bytes) {
@@ -108,9 +109,9 @@ class Surface {
     });
   }
   template <class Append>
-  absl::Status AppendColors(const std::vector<uint32_t>& colors, const Append& append) {
-    return ForEachBrick(append, [&colors](const Vec3i&, size_t voxel, const Pattern& pattern, std::string& bytes) {
-      const Rgba color = LinearOf(colors[voxel]);
+  absl::Status AppendColors(const std::vector<uint32_t>& numbers, ColorBy by, const Append& append) {
+    return ForEachBrick(append, [&](const Vec3i&, size_t voxel, const Pattern& pattern, std::string& bytes) {
+      const Rgba color = LinearOf(ColorOfNumber(by, numbers[voxel]));
       for (size_t corner = 0; corner < pattern.corners.size(); ++corner) AppendTo(bytes, color);
     });
   }
@@ -248,7 +249,7 @@ Json Describe(const Surface& surface, bool colored, const Summary& summary) {
 class GlbOutput final : public Output {
  public:
   GlbOutput(std::unique_ptr<AtomicFile> file, const std::vector<Field>& fields)
-      : file_(std::move(file)), traits_{fields}, color_by_(DefaultColorBy(traits_)) {}
+      : file_(std::move(file)), color_by_(DefaultColorBy({fields})) {}
 
   absl::Status Begin(const Accepted& accepted) override {
     grid_ = accepted.grid;
@@ -256,16 +257,24 @@ class GlbOutput final : public Output {
   }
 
   absl::Status Add(const BrickBatch& batch) override {
-    const auto colors = ColorsOf(batch, traits_, color_by_);
-    if (!colors.ok()) return colors.status();
+    const auto numbers = NumbersOf(batch, color_by_);
+    if (!numbers.ok()) return numbers.status();
     bricks_.insert(bricks_.end(), batch.bricks.begin(), batch.bricks.end());
-    colors_.insert(colors_.end(), colors->begin(), colors->end());
+    numbers_.insert(numbers_.end(), numbers->begin(), numbers->end());
     return absl::OkStatus();
+  }
+
+  std::vector<Warning> Warnings() const override {
+    const absl::flat_hash_set<uint32_t> numbers(numbers_.begin(), numbers_.end());
+    absl::flat_hash_set<uint32_t> colors;
+    for (const uint32_t number : numbers) colors.insert(ColorOfNumber(color_by_, number));
+    const auto merged = WarningOfMergedColors(file_->target(), color_by_, numbers.size(), colors.size());
+    return merged ? std::vector{*merged} : std::vector<Warning>();
   }
 
   absl::Status Finish(const Summary& summary) override {
     Surface surface(bricks_, grid_);
-    const bool colored = !colors_.empty();
+    const bool colored = !numbers_.empty();
     std::string json = Describe(surface, colored, summary).dump();
     json.resize((json.size() + 3) / 4 * 4, ' ');
     const uint64_t binary =
@@ -285,7 +294,7 @@ class GlbOutput final : public Output {
     absl::Status status = append(head);
     if (status.ok()) status = surface.AppendCorners(append);
     if (status.ok()) status = surface.AppendTriangles(append);
-    if (status.ok() && colored) status = surface.AppendColors(colors_, append);
+    if (status.ok() && colored) status = surface.AppendColors(numbers_, color_by_, append);
     if (!status.ok()) return status;
     return file_->Sync();
   }
@@ -294,11 +303,10 @@ class GlbOutput final : public Output {
 
  private:
   std::unique_ptr<AtomicFile> file_;
-  const VoxelTraits traits_;
   const ColorBy color_by_;
   GridTransform grid_;
   std::vector<Brick> bricks_;
-  std::vector<uint32_t> colors_;  // of their voxels, if these have some
+  std::vector<uint32_t> numbers_;  // of their voxels, if these have colors
 };
 
 }  // namespace

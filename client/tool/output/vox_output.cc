@@ -5,9 +5,12 @@
 #include <cstdint>
 #include <initializer_list>
 #include <limits>
+#include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
+#include "absl/container/btree_set.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/string_view.h"
@@ -81,11 +84,30 @@ class Scene {
   std::string chunks_;
 };
 
+// Returns a palette whose number_of takes numbers of NumbersOf. Parts and materials have an entry each, so that equal
+// colors keep them apart. Too many of them have an entry for each color.
+Palette PaletteOfNumbers(std::span<const uint32_t> numbers, ColorBy by) {
+  if (by == ColorBy::kColor) return PaletteOf(numbers, kMostColors);
+  const absl::btree_set<uint32_t> labels(numbers.begin(), numbers.end());
+  std::vector<uint32_t> colors;
+  for (const uint32_t label : labels) colors.push_back(ColorOfNumber(by, label));
+  const bool has_room = labels.size() <= kMostColors;
+  const Palette by_color = PaletteOf(colors, kMostColors);
+  Palette palette;
+  palette.colors = has_room ? colors : by_color.colors;
+  uint32_t entry = 0;
+  for (const uint32_t label : labels) {
+    palette.number_of[label] = has_room ? entry : by_color.number_of.at(colors[entry]);
+    ++entry;
+  }
+  return palette;
+}
+
 // Collects all bricks, then writes "VOX ", the version, and a chunk MAIN of all others.
 class VoxOutput final : public Output {
  public:
   VoxOutput(std::unique_ptr<AtomicFile> file, const std::vector<Field>& fields)
-      : file_(std::move(file)), traits_{fields}, color_by_(DefaultColorBy(traits_)) {}
+      : file_(std::move(file)), color_by_(DefaultColorBy({fields})) {}
 
   absl::Status Begin(const Accepted& accepted) override {
     if (IsCubic(accepted.grid.basis)) return absl::OkStatus();
@@ -93,16 +115,23 @@ class VoxOutput final : public Output {
   }
 
   absl::Status Add(const BrickBatch& batch) override {
-    const auto colors = ColorsOf(batch, traits_, color_by_);
-    if (!colors.ok()) return colors.status();
-    size_t voxel = colors_.size();
-    colors_.insert(colors_.end(), colors->begin(), colors->end());
+    const auto numbers = NumbersOf(batch, color_by_);
+    if (!numbers.ok()) return numbers.status();
+    size_t voxel = numbers_.size();
+    numbers_.insert(numbers_.end(), numbers->begin(), numbers->end());
     for (const Brick& brick : batch.bricks) {
       box_.Add(brick);
       bricks_.push_back({brick, voxel});
       voxel += CountVoxels(brick);
     }
     return absl::OkStatus();
+  }
+
+  std::vector<Warning> Warnings() const override {
+    const Palette palette = PaletteOfNumbers(numbers_, color_by_);
+    const auto merged =
+        WarningOfMergedColors(file_->target(), color_by_, palette.number_of.size(), palette.colors.size());
+    return merged ? std::vector{*merged} : std::vector<Warning>();
   }
 
   absl::Status Finish(const Summary&) override {
@@ -115,7 +144,7 @@ class VoxOutput final : public Output {
  private:
   struct ColoredBrick {
     Brick brick;
-    size_t first_color;
+    size_t first;  // of its voxels
   };
   struct Model {
     std::vector<ColoredBrick> bricks;
@@ -171,11 +200,11 @@ class VoxOutput final : public Output {
   std::string VoxelsOf(const Model& model, const Palette& palette) const {
     std::string chunk = ChunkHead("XYZI", 4 + 4 * model.voxels) + Word(model.voxels);
     const Vec3i low = BoxOf(model.box).min;
-    for (const auto& [brick, first_color] : model.bricks) {
-      size_t voxel = first_color;
+    for (const auto& [brick, first] : model.bricks) {
+      size_t voxel = first;
       ForEachVoxel(brick, [&](const Vec3i& ijk) {
         for (size_t m = 0; m < 3; ++m) chunk.push_back(static_cast<char>(ijk[m] - low[m]));
-        const uint32_t number = colors_.empty() ? kDefaultNumber : 1 + palette.number_of.at(colors_[voxel++]);
+        const uint32_t number = numbers_.empty() ? kDefaultNumber : 1 + palette.number_of.at(numbers_[voxel++]);
         chunk.push_back(static_cast<char>(number));
       });
     }
@@ -196,7 +225,7 @@ class VoxOutput final : public Output {
 
   absl::Status Write() {
     const std::vector<Model> models = TakeModels();
-    const Palette palette = PaletteOf(colors_, kMostColors);
+    const Palette palette = PaletteOfNumbers(numbers_, color_by_);
     Scene scene(models.size());
     uint64_t voxels = 0;
     for (const Model& model : models) {
@@ -220,11 +249,10 @@ class VoxOutput final : public Output {
   }
 
   const std::unique_ptr<AtomicFile> file_;
-  const VoxelTraits traits_;
   const ColorBy color_by_;
   VoxelBox box_;
   std::vector<ColoredBrick> bricks_;
-  std::vector<uint32_t> colors_;  // of all voxels, in the order of the stream; empty: no colors
+  std::vector<uint32_t> numbers_;  // of all voxels, in the order of the stream; empty: no colors
 };
 
 }  // namespace

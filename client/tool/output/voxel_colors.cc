@@ -91,6 +91,8 @@ static_assert(static_cast<size_t>(ColorBy::kLabelFractions) == kFields.size());
 // Precondition: not kNone.
 Field FieldOf(ColorBy by) { return static_cast<Field>(static_cast<int>(by) - 1); }
 
+absl::Status Lacks(ColorBy by) { return absl::InvalidArgumentError(absl::StrCat("the voxels have no ", NameOf(by))); }
+
 }  // namespace
 
 const char* NameOf(ColorBy by) { return by == ColorBy::kNone ? "none" : NameOf(FieldOf(by)); }
@@ -172,15 +174,31 @@ uint32_t NormalColor(const std::array<float, 3>& normal) {
 
 uint32_t WeightsColor(const std::array<float, 3>& weights) { return ColorOf(weights); }
 
+absl::StatusOr<std::vector<uint32_t>> NumbersOf(const BrickBatch& batch, ColorBy by) {
+  std::vector<uint32_t> numbers;
+  if (by == ColorBy::kNone) return numbers;
+  const FieldValues* const values = FindField(batch.fields, FieldOf(by));
+  if (values == nullptr) return Lacks(by);
+  numbers.resize(values->bytes.size() / values->bytes_of_voxel());
+  for (size_t n = 0; n < numbers.size(); ++n) numbers[n] = NumberAt(*values, n);
+  return numbers;
+}
+
+std::optional<Warning> WarningOfMergedColors(const std::string& path, ColorBy by, size_t numbers, size_t colors) {
+  if (numbers <= colors) return std::nullopt;
+  return Warning{"COLORS_MERGED",
+                 absl::StrCat(path, ": has ", colors, " colors for the ", numbers, " ", NameOf(by),
+                              "s of the voxels, so it does not tell all of them apart"),
+                 path};
+}
+
 absl::StatusOr<std::vector<uint32_t>> ColorsOf(const BrickBatch& batch, const VoxelTraits& traits, ColorBy by) {
   std::vector<uint32_t> colors;
   if (by == ColorBy::kNone) return colors;
   const FieldValues* const values = FindField(batch.fields, FieldOf(by));
   const bool of_cell = by == ColorBy::kFraction || by == ColorBy::kLabelFractions;
   const bool lacks_range = (by == ColorBy::kDistance && !traits.distances) || (of_cell && traits.points_of_cell == 0);
-  if (values == nullptr || lacks_range) {
-    return absl::InvalidArgumentError(absl::StrCat("the voxels have no ", NameOf(by)));
-  }
+  if (values == nullptr || lacks_range) return Lacks(by);
   FieldValues one;
   if (FactsOf(values->field).is_of_links()) one = OneOfLinks(*values);
   const FieldValues& colored = one.neighbors > 0 ? one : *values;

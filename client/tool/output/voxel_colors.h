@@ -12,6 +12,7 @@
 #include "absl/status/statusor.h"
 #include "latvox/grid/grid_content.h"
 #include "latvox/types.h"
+#include "latvox/warning.h"
 
 namespace latvox::client {
 
@@ -87,6 +88,13 @@ uint32_t NormalColor(const std::array<float, 3>& normal);
 
 // Returns the color of the weights of a triangle's corners: red, green and blue from 0 to 1.
 uint32_t WeightsColor(const std::array<float, 3>& weights);
+
+// Returns the number of a part, material or color for each voxel of the batch, in order; none for ColorBy::kNone.
+// ColorOfNumber gives its color. Errors: as ColorsOf.
+absl::StatusOr<std::vector<uint32_t>> NumbersOf(const BrickBatch& batch, ColorBy by);
+
+// Returns the warning COLORS_MERGED if a file has fewer colors than its voxels have such numbers.
+std::optional<Warning> WarningOfMergedColors(const std::string& path, ColorBy by, size_t numbers, size_t colors);
 
 // Returns a color for each voxel of the batch, in order; none for ColorBy::kNone. Errors: INVALID_ARGUMENT: the voxels
 // have no values of that name.

@@ -25,6 +25,16 @@ absl::Status RemoteOutput::Named(const absl::Status& status) const {
   return named;
 }
 
+std::vector<Warning> RemoteOutput::Warnings() const {
+  std::vector<Warning> warnings = file_->Warnings();
+  for (Warning& warning : warnings) {
+    for (std::string* const text : {&warning.message, &warning.element}) {
+      *text = absl::StrReplaceAll(*text, {{path_, remote_.name}});
+    }
+  }
+  return warnings;
+}
+
 absl::Status RemoteOutput::Finish(const Summary& summary) {
   if (auto status = file_->Finish(summary); !status.ok()) return Named(status);
   if (auto status = file_->Commit(); !status.ok()) return Named(status);

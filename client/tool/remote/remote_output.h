@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
@@ -27,6 +28,7 @@ class RemoteOutput : public Output {
   void SetNames(const CarriedNames& names) override { file_->SetNames(names); }
   absl::Status Begin(const Accepted& accepted) override { return Named(file_->Begin(accepted)); }
   absl::Status Add(const BrickBatch& batch) override { return Named(file_->Add(batch)); }
+  std::vector<Warning> Warnings() const override;  // with the name of the object
   absl::Status Finish(const Summary& summary) override;
   absl::Status Commit() override;
 
