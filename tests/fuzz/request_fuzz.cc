@@ -79,9 +79,9 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size) {
     if (++tiles == 8) (*job)->Cancel();  // the lattice may be huge
     return true;
   });
-  if (!done.ok() || spec->request.part.region || spec->request.part.bounds || spec->request.part.resume_after ||
-      (solid != nullptr && !spec->request.has_surface()) || spec->request.band() != nullptr ||
-      spec->request.links() != nullptr || walk != nullptr)
+  if (!done.ok() || spec->request.part.region || spec->request.part.bounds || spec->request.part.shard ||
+      spec->request.part.resume_after || (solid != nullptr && !spec->request.has_surface()) ||
+      spec->request.band() != nullptr || spec->request.links() != nullptr || walk != nullptr)
     return 0;
   const auto verdict = (*job)->Verify(voxels);
   if (!verdict.ok() || verdict->tunnels != 0) std::abort();
