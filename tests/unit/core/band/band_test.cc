@@ -206,14 +206,16 @@ void AddBox(int32_t low, int32_t high, oracle::Mesh& mesh) {
 }
 
 // A shell in a shell, with faces in lattice planes, around the corner of eight tiles.
-TEST(SignedBand, IsNegativeWhereLinesOutCrossAnOddNumberOfTimes) {
+TEST(SignedBand, ByParityIsNegativeWhereLinesOutCrossAnOddNumberOfTimes) {
   oracle::Mesh mesh;
   AddBox(-40 * 256, 30 * 256, mesh);
   AddBox(-20 * 256 + 77, 20 * 256, mesh);
   for (const Lattice& lattice : {Lattice::Named(NamedLattice::kCartesian).Scaled(0.7).value(), Triclinic()}) {
     const Band band{.width = 4, .in_voxels = true};
     const Vec3i shift{64, 0, -64};
-    const Result result = Voxelize(ToWorld(mesh, lattice, shift), Unscaled(lattice), With(band, true));
+    VoxelizeOptions options = With(band, true);
+    options.interior_rule = InteriorRule::kParity;
+    const Result result = Voxelize(ToWorld(mesh, lattice, shift), Unscaled(lattice), options);
     for (const auto& [ijk, value] : ValuesOf(result)) {
       const Vec3i at = ijk - shift;
       const auto is_in = [&](double low, double high) {
