@@ -85,17 +85,18 @@ Found CheckSignedDistance(const VoxelizeOptions& options) {
   return Breach{"signed_distance", "signed_distance true: needs distance among fields", "true"};
 }
 
-// An exclusion speaks about a solid.
 Found CheckInteriorRule(const VoxelizeOptions& options) {
-  if (options.interior_rule == InteriorRule::kAuto || std::holds_alternative<Solid>(options.set)) return std::nullopt;
+  if (options.interior_rule == InteriorRule::kAuto) return std::nullopt;
+  const std::string rule{NameOf(options.interior_rule)}, shown = absl::StrCat("interior_rule ", rule);
+  if (std::holds_alternative<Solid>(options.set)) {
+    return Breach{"interior_rule", absl::StrCat(shown, ": not together with solid, which has a rule of its own"), rule,
+                  "", "solid"};
+  }
   const Links* const links = std::get_if<Links>(&options.set);
   const bool has_side = links != nullptr && links->side != LinkSide::kBoth;
   if (has_side || options.signed_distance || !options.fields.OfCells().empty()) return std::nullopt;
-  const std::string rule{NameOf(options.interior_rule)};
-  return Breach{
-      "interior_rule",
-      absl::StrCat("interior_rule ", rule, ": needs signed_distance, fraction among fields, or one side of links"),
-      rule};
+  return Breach{"interior_rule",
+                absl::StrCat(shown, ": needs signed_distance, fraction among fields, or one side of links"), rule};
 }
 
 Found CheckFraction(const VoxelizeOptions& options) {
@@ -165,9 +166,12 @@ Found CheckFractionLabels(const VoxelizeOptions& options) {
     if (options.fraction_labels.empty()) return std::nullopt;
     return Breach{"fraction_labels", "fraction_labels: needs label_fractions among fields"};
   }
+  if (std::holds_alternative<Enclosed>(options.set)) {
+    return Breach{"fields", "fields label_fractions: not together with enclosed, whose triangles need not be closed",
+                  NameOf(Field::kLabelFractions), "", "enclosed"};
+  }
   const Solid* const solid = std::get_if<Solid>(&options.set);
-  const bool is_excluded = std::holds_alternative<Enclosed>(options.set);
-  if (!is_excluded && (solid == nullptr || !solid->labels)) {
+  if (solid == nullptr || !solid->labels) {
     return Breach{"fields", "fields label_fractions: needs a solid with solid.labels", NameOf(Field::kLabelFractions)};
   }
   return FindBadLabels("fraction_labels", options.fraction_labels, kMostFractionLabels);
@@ -229,12 +233,6 @@ constexpr std::array kOptions{
     Option{"fraction", "fields", "fraction or label_fractions among `fields`",
            [](const O& o) { return !o.fields.OfCells().empty(); },
            [](const O& o) -> std::string { return NameOf(*o.fields.OfCells().begin()); }},
-    Option{"label fractions", "fields", "label_fractions among `fields`",
-           [](const O& o) { return o.fields.Contains(Field::kLabelFractions); },
-           [](const O&) -> std::string { return NameOf(Field::kLabelFractions); }},
-    Option{"rule of fields", "interior_rule", "`interior_rule`",
-           [](const O& o) { return o.interior_rule != InteriorRule::kAuto; },
-           [](const O& o) { return std::string{NameOf(o.interior_rule)}; }},
     Option{"open solid", "solid.force_open", "`solid.force_open`",
            [](const O& o) { return Is<Solid>(o) && std::get<Solid>(o.set).force_open; },
            [](const O&) -> std::string { return "true"; }},
@@ -269,8 +267,6 @@ constexpr std::array kExclusions{
     Exclusion{"verify", "enclosed"},
     Exclusion{"verify", "connected"},
     Exclusion{"verify", "links"},
-    Exclusion{"label fractions", "enclosed", ", whose triangles need not be closed"},
-    Exclusion{"rule of fields", "solid", ", which has a rule of its own"},
     Exclusion{"fraction", "open solid", ", which fills a mesh that is not closed"},
 };
 

@@ -84,7 +84,8 @@ absl::StatusOr<ActivatedSocket> Take(int fd) {
 
 absl::StatusOr<std::vector<ActivatedSocket>> TakeActivatedSockets() {
   const std::string process = TakeVariable("LISTEN_PID"), count = TakeVariable("LISTEN_FDS");
-  for (const char* name : {"LISTEN_FDNAMES", "LISTEN_PIDFDID"}) TakeVariable(name);
+  TakeVariable("LISTEN_FDNAMES");
+  TakeVariable("LISTEN_PIDFDID");
   std::vector<ActivatedSocket> sockets;
   if (process.empty()) return sockets;
   int64_t pid = 0;

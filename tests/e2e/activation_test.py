@@ -19,7 +19,10 @@ from tls_test import Authority
 # Puts the given descriptors at 3, 4 and so on, and becomes latvoxd, whose number it then knows.
 WRAPPER = """
 import fcntl, os, sys
-own = [fcntl.fcntl(int(fd), fcntl.F_DUPFD_CLOEXEC, 100) for fd in sys.argv[1].split(",") if fd]
+fds = [int(fd) for fd in sys.argv[1].split(",") if fd]
+own = [fcntl.fcntl(fd, fcntl.F_DUPFD_CLOEXEC, 100) for fd in fds]
+for fd in fds:
+    os.close(fd)
 for n, fd in enumerate(own):
     os.dup2(fd, 3 + n)
 os.environ.setdefault("LISTEN_PID", str(os.getpid()))

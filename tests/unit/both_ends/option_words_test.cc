@@ -61,6 +61,14 @@ std::vector<Case> CasesOfLabels() {
 std::vector<Case> Cases() {
   return {
       {"separability", [](Options& o) { o.separability = 3; }, {}, "--separability 3 exceeds 2"},
+      {"fraction_labels",
+       [](Options& o) {
+         o.set = Enclosed{.labels = Field::kPart};
+         o.fields = {Field::kPart, Field::kLabelFractions};
+         o.fraction_n = 4;
+       },
+       client::Enclosed{},
+       "--fields label_fractions: not together with --set enclosed, whose triangles need not be closed"},
       {"interior_rule",
        [](Options& o) { o.interior_rule = InteriorRule::kParity; },
        {},
