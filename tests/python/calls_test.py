@@ -211,6 +211,28 @@ def test_many_meshes_come_in_their_order():
         next(wrong)
 
 
+def test_the_number_of_jobs_is_checked_and_bounds_the_calls(server):
+    for wrong in (0, -1, np.int64(-7)):
+        with pytest.raises(latvox.InvalidArgument, match=rf"jobs: {wrong} is below 1") as caught:
+            server.voxelize_many([MESH], jobs=wrong)
+        assert (caught.value.field, caught.value.value, caught.value.limit) == ("jobs", str(wrong), "1")
+    for wrong in (1.5, "2", True):
+        with pytest.raises(TypeError, match="jobs: .* is not a whole number"):
+            latvox.voxelize_many([MESH], jobs=wrong)
+    allowed = os.sched_getaffinity(0)
+    for jobs, taken in ((1, 1), (np.int64(2), 2), (None, 1)):
+        given = []
+        if jobs is None:
+            os.sched_setaffinity(0, list(allowed)[:1])
+        try:
+            answers = server.voxelize_many((given.append(n) or MESH for n in range(5)), jobs=jobs, resolution=9)
+        finally:
+            os.sched_setaffinity(0, allowed)
+        next(answers)
+        assert len(given) == taken + 1  # the next mesh is ready when the first answer is taken
+        answers.close()
+
+
 def test_progress_grows_and_an_error_in_it_ends_the_call():
     shares = []
     latvox.voxelize(BUNNY, resolution=2500, progress=shares.append)

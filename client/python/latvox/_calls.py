@@ -5,6 +5,7 @@ from __future__ import annotations
 import collections
 import contextlib
 import inspect
+import operator
 import os
 import pathlib
 import sys
@@ -13,7 +14,7 @@ import threading
 from typing import TYPE_CHECKING, Any, Callable, Dict, Iterable, Iterator, List, Mapping, Optional, TextIO, Union
 
 from . import _latvox
-from ._errors import Unavailable
+from ._errors import InvalidArgument, Unavailable
 from ._meshes import source_of
 from ._voxels import Bricks, Voxels
 
@@ -167,7 +168,7 @@ class Client:
         self, meshes: Iterable[Any], *, jobs: Optional[int] = None, **options: Unpack[ClientCallOptions]
     ) -> Iterator[Voxels]:
         """Voxelizes meshes, several at once. See latvox.voxelize_many."""
-        return _many(self, meshes, jobs, options)
+        return _many(self, meshes, _most(jobs), options)
 
     def close(self) -> None:
         """Ends the connection as soon as no call uses it. Further calls throw FailedPrecondition."""
@@ -182,9 +183,20 @@ class Client:
         self.close()
 
 
-def _many(client: Client, meshes: Iterable[Any], jobs: Optional[int], options: Mapping[str, Any]) -> Iterator[Voxels]:
+def _most(jobs: Optional[int]) -> int:
+    """Returns the most calls at once that `jobs` means."""
+    if jobs is None:
+        return len(os.sched_getaffinity(0))
+    if isinstance(jobs, bool) or not hasattr(jobs, "__index__"):
+        raise TypeError(f"jobs: {jobs!r} is not a whole number")
+    most = operator.index(jobs)
+    if most < 1:
+        raise InvalidArgument(f"jobs: {most} is below 1", field="jobs", value=str(most), limit="1")
+    return most
+
+
+def _many(client: Client, meshes: Iterable[Any], most: int, options: Mapping[str, Any]) -> Iterator[Voxels]:
     calls: collections.deque[_latvox.Call] = collections.deque()
-    most = jobs or os.cpu_count() or 1
     try:
         for mesh in meshes:
             if len(calls) == most:
@@ -271,14 +283,15 @@ def voxelize_many(
 ) -> Iterator[Voxels]:
     """Voxelizes meshes, several at once, and yields their voxels in the order of the meshes.
 
-    jobs: the most calls at once; None: one for each core. At most `jobs` answers are in memory. The server needs memory
+    jobs: the most calls at once, 1 or more; None: one for each core that this process may use. At most `jobs` answers are in memory. The server needs memory
         for each call, and fails some if it has too little.
     options: as for voxelize, the same for all.
 
     The first error ends it, and cancels the calls that run.
     """
+    most = _most(jobs)
     client, others = _choose(options)
-    return _many(client, meshes, jobs, others)
+    return _many(client, meshes, most, others)
 
 
 def _line(name: str, facts: Dict[str, str]) -> str:
