@@ -342,6 +342,18 @@ def test_the_error_of_missing_colors_tells_where_they_were_looked_for(mesh, text
     assert (caught.value.reason, caught.value.field, caught.value.value) == ("BAD_MESH", "mesh", "color")
 
 
+@pytest.mark.parametrize("wrong", [128.0, -0.5, 1.01, np.nan, np.inf])
+def test_floats_that_are_no_colors_are_refused(wrong):
+    colors = (OF_VERTICES / 255).astype(np.float32)
+    colors[3, 1] = wrong
+    for mesh in (with_arrays({"colors": colors}), Open3d(colors), Open3dTensors(colors=Tensor(colors))):
+        with pytest.raises(latvox.InvalidArgument, match=f"mesh: the color {wrong:g} is not from 0 to 1") as caught:
+            latvox.voxelize(mesh, resolution=9, fields="color")
+        assert (caught.value.field, caught.value.value, caught.value.limit) == ("mesh", f"{wrong:g}", "0 to 1")
+    colors[3, 1] = 1.000001  # a rounding
+    assert latvox._meshes._bytes_of(colors)[3, 1] == 255
+
+
 def test_numbers_that_are_no_colors_are_refused():
     mesh = meshio.Mesh(VERTICES, [("triangle", TRIANGLES)], point_data={"RGB": np.full((6, 3), 300)})
     with pytest.raises(latvox.InvalidArgument, match=r"colors: an array of shape \(6, 3\) and type int64 is not \(6, 3\) uint8"):

@@ -92,10 +92,16 @@ def _is_pair(value: Any) -> bool:
 
 
 def _bytes_of(colors: Any) -> np.ndarray:
-    """Returns colors (n, 3 or more), numbers between 0 and 1 or from 0 to 255, as bytes (n, 3)."""
+    """Returns colors (n, 3 or more), floats from 0 to 1 or integers from 0 to 255, as bytes (n, 3)."""
     colors = np.asarray(colors)[:, :3]
     if colors.dtype.kind == "f":
-        return np.rint(np.clip(colors.astype(np.float64), 0, 1) * 255).astype(np.uint8)
+        levels = np.rint(colors.astype(np.float64) * 255)
+        wrong = colors[~((levels >= 0) & (levels <= 255))]  # also NaN
+        if wrong.size > 0:
+            limit = "0 to 1"
+            text = f"the color {wrong[0]:g} is not from {limit}; colors of floats are; pass others as uint8"
+            raise _bad(f"{wrong[0]:g}", limit, text)
+        return levels.astype(np.uint8)
     if colors.size == 0 or (colors.min() >= 0 and colors.max() <= 255):
         return colors.astype(np.uint8)
     return colors  # _latvox refuses them
