@@ -51,6 +51,9 @@ Work::Work(std::function<absl::Status(Work&)> work)
         absl::Status status;
         try {
           status = work(*this);
+          if (Vdb::State() == VdbState::kLoaded) {
+            [[maybe_unused]] static const bool once = (LeaveOutExitHandlers(), true);
+          }
         } catch (const std::exception& error) {
           status = StatusOf(error);
         }
@@ -115,13 +118,8 @@ void Run(const std::function<absl::Status(Work&)>& work) {
 }
 
 void RunOnFiles(const std::function<absl::Status(Work&)>& work) {
-  Run([&](Work& running) {
-    absl::Status status = work(running);
-    if (Vdb::State() == VdbState::kLoaded) {
-      [[maybe_unused]] static const bool once = (LeaveOutExitHandlers(), true);
-    }
-    return status;
-  });
+  Check(CheckProcess());  // oneTBB's threads do not exist in a fork either
+  Run(work);
 }
 
 }  // namespace latvox::client::python

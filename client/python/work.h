@@ -16,8 +16,8 @@
 
 namespace latvox::client::python {
 
-// Returns FAILED_PRECONDITION if this process is a fork of one that had called this function: gRPC's threads do not
-// exist in it, and its connections belong to the other process.
+// Returns FAILED_PRECONDITION if this process is a fork of one that had called this function: the threads of gRPC and of
+// oneTBB do not exist in it, and its connections belong to the other process.
 absl::Status CheckProcess();
 
 // Call it when the module is loaded, and again after OpenVDB is. If this process then ends as a fork, or with an
@@ -74,7 +74,7 @@ class Work {
 // Runs the work and waits for it as above. Throws its error.
 void Run(const std::function<absl::Status(Work&)>& work);
 
-// Likewise for work that may load OpenVDB.
+// Likewise for work on files, which may need threads that a fork lacks. Throws FAILED_PRECONDITION as CheckProcess.
 void RunOnFiles(const std::function<absl::Status(Work&)>& work);
 
 }  // namespace latvox::client::python

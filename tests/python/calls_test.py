@@ -394,6 +394,29 @@ def test_a_fork_after_a_grid_was_saved_ends(run):
     assert error == "" and process.returncode == 0 and len(out.splitlines()) == 2, (out, error)
 
 
+def test_a_fork_after_a_call_cannot_use_files_either(run, tmp_path):
+    before = "v = latvox.voxelize(mesh, resolution=9, out='v.vdb')"
+    calls = ["v.save('w.npy')", "latvox.open('v.vdb')", "latvox.convert('v.vdb', 'w.npy')", "latvox.merge(['v.vdb'], 'w.vdb')"]
+    program = FORKED.format(before=f"{before}\ncalls = {calls}").replace(
+        "print(len(latvox.voxelize(mesh, resolution=9)), flush=True)",
+        "for call in calls:\n            try:\n                eval(call)\n            except latvox.FailedPrecondition as error:"
+        "\n                print(error, flush=True)",
+        1,
+    )
+    process = run(program)
+    out, error = process.communicate(timeout=60)
+    assert error == "" and process.returncode == 0, (out, error)
+    refusals = out.splitlines()[:-1]
+    assert len(refusals) == len(calls) and all(f"is a fork of process {process.pid}" in each for each in refusals), out
+    assert [path.name for path in tmp_path.iterdir()] == ["v.vdb"]
+
+
+def test_a_fork_after_only_a_file_was_read_refuses(run, tmp_path):
+    latvox.voxelize(MESH, resolution=9, out=tmp_path / "v.vdb")
+    out, error = run(FORKED.format(before="latvox.open('v.vdb')")).communicate(timeout=60)
+    assert error == "" and "which had used latvox before" in out.splitlines()[0], (out, error)
+
+
 def test_a_fork_after_a_call_refuses_and_leaves_the_parents_server_alone(run):
     before = "client, v = latvox.Client(), latvox.voxelize(mesh, resolution=9)\nstream = client.stream(mesh, resolution=900)"
     process = run(FORKED.format(before=before))
