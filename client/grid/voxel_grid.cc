@@ -27,8 +27,10 @@ namespace {
 absl::StatusOr<GridFile> Content(const openvdb::GridBase::Ptr& first, const std::string& path) {
   const auto grid = openvdb::gridPtrCast<openvdb::BoolGrid>(first);
   if (!grid) {
-    return absl::InvalidArgumentError(absl::StrCat(path, ": the grid \"", Printable(first->getName()), "\" is a ",
-                                                   first->type(), ", not a ", openvdb::BoolGrid::gridType()));
+    return absl::InvalidArgumentError(
+        absl::StrCat(path, ": the grid \"", Printable(first->getName()), "\" is a ", first->type(),
+                     "; voxels are read from a bool grid, and distances of a band from a float grid with the name "
+                     "\"distance\". Write the mask of the grid as a bool grid, or give the distances that name"));
   }
   if (auto status = CheckTransform(*grid, path); !status.ok()) return status;
   const auto leaves = SortedLeaves(grid->tree(), path);

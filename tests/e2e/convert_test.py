@@ -225,7 +225,7 @@ class Convert(Case):
         for extension in ("vdb", "nvdb"):
             done = latvox("convert", self.dir / f"density.{extension}", "-o", self.dir / "a.csv")
             self.assertEqual(done.returncode, 3, done.stderr)
-            self.assertIn(f'density.{extension}: the grid "density" is a Tree_float_5_4_3, not a Tree_bool_5_4_3', done.stderr)
+            self.assertIn(f'density.{extension}: the grid "density" is a Tree_float_5_4_3; voxels are read from a bool grid, and distances', done.stderr)
         self.nano("density.vdb", "packed.nvdb", "--fp8")
         done = latvox("convert", self.dir / "packed.nvdb", "-o", self.dir / "a.csv")
         self.assertEqual(done.returncode, 3, done.stderr)
