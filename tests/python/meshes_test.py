@@ -129,8 +129,24 @@ class Tensor:
     def __init__(self, array):
         self.array = array
 
+    def cpu(self):
+        return self
+
     def numpy(self):
         return self.array
+
+
+class CudaTensor:
+    """As open3d.core.Tensor in the memory of a GPU."""
+
+    def __init__(self, array):
+        self.array = array
+
+    def cpu(self):
+        return Tensor(self.array)
+
+    def numpy(self):
+        raise RuntimeError("Can only convert CPU Tensor to numpy.")
 
 
 class Open3dTensors:
@@ -340,6 +356,26 @@ def test_the_error_of_missing_colors_tells_where_they_were_looked_for(mesh, text
     with pytest.raises(latvox.InvalidArgument, match=rf"the mesh, or some of it, has no color \({text}") as caught:
         latvox.voxelize(mesh, resolution=9, fields="color")
     assert (caught.value.reason, caught.value.field, caught.value.value) == ("BAD_MESH", "mesh", "color")
+
+
+def test_tensors_of_a_gpu_are_copied():
+    expected = latvox.voxelize(Open3dTensors(colors=Tensor(OF_VERTICES)), resolution=9, fields="color")
+    mesh = Open3dTensors(colors=CudaTensor(OF_VERTICES))
+    mesh.vertex["positions"], mesh.triangle["indices"] = (CudaTensor(mesh.vertex["positions"].array), CudaTensor(TRIANGLES))
+    v = latvox.voxelize(mesh, resolution=9, fields="color")
+    assert v.digest == expected.digest and np.array_equal(v["color"], expected["color"])
+
+
+@pytest.mark.parametrize("faces", [np.int8, np.uint16, np.int32, np.uint32, np.int64, np.uint64, ">i4"])
+@pytest.mark.parametrize("vertices", [np.int16, np.float32, np.float64, ">f8", np.longdouble])
+def test_arrays_of_every_type_and_order_are_one_mesh(vertices, faces):
+    expected = latvox.voxelize((VERTICES.astype(float), TRIANGLES), resolution=9, fields="triangle")
+    wide = np.full((12, 6), 99, vertices)  # with strides
+    wide[::2, ::2] = VERTICES
+    for one in (VERTICES.astype(vertices), np.asfortranarray(VERTICES, vertices), wide[::2, ::2]):
+        for order in "CF":
+            v = latvox.voxelize((one, np.array(TRIANGLES, faces, order=order)), resolution=9, fields="triangle")
+            assert v.digest == expected.digest and np.array_equal(v["triangle"], expected["triangle"])
 
 
 @pytest.mark.parametrize("wrong", [128.0, -0.5, 1.01, np.nan, np.inf])

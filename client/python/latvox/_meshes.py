@@ -201,17 +201,22 @@ def _meshio(mesh: Any, with_colors: bool) -> Optional[List[Part]]:
     return [Part(points, faces, _colors_among(mesh.point_data), _colors_among(of_cells), no_color=_NO_COLOR_ARRAY)]
 
 
+def _numbers_of(tensor: Any) -> np.ndarray:
+    """Returns the numbers of a tensor of Open3D, also of one in the memory of a GPU."""
+    return tensor.cpu().numpy()
+
+
 def _open3d_tensor(mesh: Any, with_colors: bool) -> Optional[List[Part]]:
     vertex, triangle = getattr(mesh, "vertex", None), getattr(mesh, "triangle", None)
     if vertex is None or triangle is None:
         return None
 
     def colors_of(elements: Any) -> np.ndarray:
-        return _bytes_of(elements["colors"].numpy()) if with_colors and "colors" in elements else _NONE
+        return _bytes_of(_numbers_of(elements["colors"])) if with_colors and "colors" in elements else _NONE
 
-    faces = [triangle["indices"].numpy()]
+    faces = [_numbers_of(triangle["indices"])]
     why_not = "looked for colors of vertex and of triangle"
-    return [Part(vertex["positions"].numpy(), faces, colors_of(vertex), colors_of(triangle), no_color=why_not)]
+    return [Part(_numbers_of(vertex["positions"]), faces, colors_of(vertex), colors_of(triangle), no_color=why_not)]
 
 
 def _open3d(mesh: Any, with_colors: bool) -> Optional[List[Part]]:
