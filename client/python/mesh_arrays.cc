@@ -55,12 +55,33 @@ absl::Status NotFinite(size_t vertex, const Vec3d& position) {
   return Wrong("vertices", absl::StrCat(x), "finite numbers", "[", vertex, "]: ", x, " is not finite");
 }
 
+// Calls take(rows) with the array as it is if its numbers are of the type T; otherwise returns false.
+template <class T, class Take>
+bool TakeAs(const py::array& given, const Take& take) {
+  if (!py::isinstance<py::array_t<T>>(given)) return false;
+  take(given.cast<py::array_t<T>>());
+  return true;
+}
+
+// Returns the positions of a table of three columns, of any strides.
+template <class T>
+std::vector<Vec3d> PositionsOf(const py::array_t<T>& given) {
+  const auto rows = given.template unchecked<2>();
+  std::vector<Vec3d> positions(static_cast<size_t>(rows.shape(0)));
+  for (py::ssize_t n = 0; n < rows.shape(0); ++n) {
+    for (py::ssize_t m = 0; m < 3; ++m) {
+      positions[static_cast<size_t>(n)][static_cast<size_t>(m)] = static_cast<double>(rows(n, m));
+    }
+  }
+  return positions;
+}
+
 absl::Status AddPositions(const py::array& given, bool skip_bad, Mesh& mesh) {
   if (!IsTable(given, "fiu") || given.shape(1) != 3) return WrongKind("vertices", given, "(n, 3) numbers");
-  const auto vertices = py::array_t<double, kInOrder>::ensure(given);
-  static_assert(sizeof(Vec3d) == 3 * sizeof(double));
-  mesh.positions.resize(static_cast<size_t>(vertices.shape(0)));
-  std::memcpy(mesh.positions.data(), vertices.data(), mesh.positions.size() * sizeof(Vec3d));
+  const auto take = [&mesh](const auto& rows) { mesh.positions = PositionsOf(rows); };
+  if (!TakeAs<double>(given, take) && !TakeAs<float>(given, take)) {
+    TakeAs<double>(py::array_t<double, kInOrder>::ensure(given), take);  // other numbers take a copy of their own
+  }
   if (mesh.positions.size() > std::numeric_limits<uint32_t>::max()) {
     const std::string count = absl::StrCat(mesh.positions.size()),
                       most = absl::StrCat(std::numeric_limits<uint32_t>::max());
@@ -97,22 +118,21 @@ struct FaceColors {
   }
 };
 
-// Adds the faces of an array. `first` is the number of faces in the arrays before.
-absl::Status AddFaces(const py::array& given, size_t first, BadElements& bad, FaceColors& colors, Mesh& mesh) {
-  if (!IsTable(given, "iu") || given.shape(1) < 3) {
-    return WrongKind("faces", given, "(m, 3) integers, or more of them in a row");
-  }
-  const auto faces = py::array_t<int64_t, kInOrder>::ensure(given);
-  const auto corners = static_cast<size_t>(faces.shape(1));
+// Adds the faces of a table of any strides. `first` is the number of faces in the arrays before.
+template <class T>
+absl::Status AddRows(const py::array_t<T>& given, size_t first, BadElements& bad, FaceColors& colors, Mesh& mesh) {
+  const auto rows = given.template unchecked<2>();
+  const auto corners = static_cast<size_t>(rows.shape(1));
+  std::vector<int64_t> indices(corners);
   std::vector<uint32_t> face(corners);
-  mesh.triangles.reserve(mesh.triangles.size() + static_cast<size_t>(faces.shape(0)) * (corners - 2));
-  const int64_t* next = faces.data();
-  for (py::ssize_t f = 0; f < faces.shape(0); ++f, next += corners) {
-    if (absl::Status wrong = CheckFace(f, next, corners, mesh); !wrong.ok()) {
+  mesh.triangles.reserve(mesh.triangles.size() + static_cast<size_t>(rows.shape(0)) * (corners - 2));
+  for (py::ssize_t f = 0; f < rows.shape(0); ++f) {
+    for (size_t n = 0; n < corners; ++n) indices[n] = static_cast<int64_t>(rows(f, static_cast<py::ssize_t>(n)));
+    if (absl::Status wrong = CheckFace(f, indices.data(), corners, mesh); !wrong.ok()) {
       if (absl::Status status = bad.Add(wrong, absl::StrCat("faces[", f, "]")); !status.ok()) return status;
       continue;
     }
-    std::transform(next, next + corners, face.begin(), [](int64_t index) { return static_cast<uint32_t>(index); });
+    std::ranges::transform(indices, face.begin(), [](int64_t index) { return static_cast<uint32_t>(index); });
     if (corners == 3) {
       mesh.triangles.push_back({face[0], face[1], face[2]});
     } else {
@@ -121,6 +141,18 @@ absl::Status AddFaces(const py::array& given, size_t first, BadElements& bad, Fa
     colors.Add(first + static_cast<size_t>(f), mesh);
   }
   return absl::OkStatus();
+}
+
+absl::Status AddFaces(const py::array& given, size_t first, BadElements& bad, FaceColors& colors, Mesh& mesh) {
+  if (!IsTable(given, "iu") || given.shape(1) < 3) {
+    return WrongKind("faces", given, "(m, 3) integers, or more of them in a row");
+  }
+  absl::Status status;
+  const auto take = [&](const auto& rows) { status = AddRows(rows, first, bad, colors, mesh); };
+  if (!TakeAs<int32_t>(given, take) && !TakeAs<int64_t>(given, take) && !TakeAs<uint32_t>(given, take)) {
+    TakeAs<int64_t>(py::array_t<int64_t, kInOrder>::ensure(given), take);  // other integers take a copy of their own
+  }
+  return status;
 }
 
 size_t RowsOf(const py::array& array) { return array.ndim() == 0 ? 0 : static_cast<size_t>(array.shape(0)); }
