@@ -89,7 +89,14 @@ std::string TextOf(const Keyword& keyword, py::handle given) {
   if (is_number && !py::isinstance<py::bool_>(value)) return py::repr(value);
   if (!IsSequence(value)) RefuseType(keyword, given);
   std::vector<std::string> texts;
-  for (const py::handle one : value) texts.push_back(TextOf(keyword, one));
+  for (const py::handle one : value) {
+    texts.push_back(TextOf(keyword, one));
+    if (!IsSequence(Plain(one)) && texts.back().find(',') != std::string::npos) {
+      const std::string text = absl::StrCat("\"", texts.back(), "\"");
+      throw UsageError(absl::StrCat(keyword.option, ": ", text, " has a comma, which would make several of it"),
+                       {keyword.option, texts.back(), "no comma"});
+    }
+  }
   return absl::StrJoin(texts, ",");
 }
 

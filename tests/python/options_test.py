@@ -252,6 +252,8 @@ def test_wrong_values_name_field_value_and_limit(options, field, text, server):
         ({"resolution": 9, "voxel_size": 1}, ("voxel_size", None, None, "resolution")),
         ({"retries": -1}, ("retries", "-1", "0 to 1000000", None)),
         ({"set": "solid", "labels": "part", "priority": ["heart"]}, ("priority", "heart", None, None)),
+        ({"set": "solid", "labels": "part", "priority": ["a,b"]}, ("priority", "a,b", "no comma", None)),
+        ({"set": "solid", "labels": "part", "fraction_labels": ("a,b", "c")}, ("fraction_labels", "a,b", "no comma", None)),
         ({"set": "interior", "separability": 2}, ("separability", "2", None, "set")),
     ],
 )
