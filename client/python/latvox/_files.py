@@ -24,7 +24,9 @@ def _word(path: _Path) -> str:
 def open(path: _Path) -> Grid:
     """Reads the voxels of a .vdb or .nvdb file, with their fields.
 
-    Errors: NotFound; InvalidArgument for a file that latvox has not written.
+    The file may be of another program: a grid of bool, or a band as a grid of float with the name distance.
+
+    Errors: NotFound; InvalidArgument for a file with other grids alone, or with what no .vdb or .nvdb has.
     """
     return Grid(_latvox.open(os.fspath(path)))
 
