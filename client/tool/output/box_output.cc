@@ -97,7 +97,7 @@ class BinvoxOutput final : public Output {
       box_.Add(brick);
       bricks_.push_back(brick);
     }
-    return box_.box() ? ShapedBox(*box_.box(), shape_, file_->target()).status() : absl::OkStatus();
+    return FindBox();  // here, so that a box beyond the format's ends the job
   }
 
   absl::Status Finish(const Summary&) override {

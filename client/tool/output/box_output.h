@@ -26,7 +26,7 @@ bool IsCubic(const Basis& basis);
 // empty), starting at the lowest voxel. `translate` is the low corner of that voxel's cube, `scale` the side of the
 // whole cube. So the centers of the cells are the world positions of the voxels. The shape is around the box of the
 // voxels. Memory: 80 bytes for each brick, and a bit for each cell of a slice. Errors: INVALID_ARGUMENT for another
-// lattice; RESOURCE_EXHAUSTED for a box that the format cannot hold.
+// lattice; RESOURCE_EXHAUSTED for a box that the format cannot hold, as soon as its voxels have come.
 std::unique_ptr<Output> NewBinvoxOutput(std::unique_ptr<AtomicFile> file, const BoxShape& shape);
 
 }  // namespace latvox::client

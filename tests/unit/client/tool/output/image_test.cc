@@ -193,6 +193,22 @@ TEST_F(Image, FieldsOfTwoTypesAndTooManyBytesAreRefused) {
   }
 }
 
+TEST_F(Image, ABinvoxRefusesALongBoxWithItsFirstVoxelBeyond) {
+  Accepted accepted = MakeAccepted();
+  accepted.grid = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {0, 0, 0}, 1};
+  const auto output = OpenOutput(Path("o.binvox"), {});
+  ASSERT_TRUE(output.ok() && (*output)->Begin(accepted).ok());
+  std::vector<Brick> brick(1, Brick{{0, 0, 0}, {}});
+  brick[0].mask[0] = 1;
+  for (const auto& [place, code] : {std::pair(0, absl::StatusCode::kOk),
+                                    {4088, absl::StatusCode::kOk},
+                                    {4096, absl::StatusCode::kResourceExhausted}}) {
+    brick[0].brick_ijk = {0, place / 8, 0};
+    const absl::Status status = (*output)->Add({brick, 1, {}});
+    EXPECT_EQ(status.code(), code) << status;
+  }
+}
+
 TEST_F(Image, ASideBeyondNifti1MakesNifti2) {
   for (const auto& [side, bytes] : {std::pair(32767, 352), {32768, 544}}) {
     const std::string file = Mask("o.nii", {.shape = {.dims = Vec3i{2, side, 2}}});
