@@ -152,6 +152,7 @@ class Moved(InRoot):
     """Older packages, whose latvoxd had the server itself."""
 
     install = "true"
+    moved = ("bin/latvoxd", "share/man/man8/latvoxd.8.gz")
 
     @staticmethod
     def older(control):
@@ -159,15 +160,15 @@ class Moved(InRoot):
         return re.sub(r"^(?:Breaks|Replaces|Recommends): .*\n", "", control.replace(version, "0.0.1-1"), flags=re.M)
 
     def old_tool(self, tree, control):
-        for file in "bin/latvoxd", "share/man/man8/latvoxd.8.gz":
-            (self.dir / pathlib.Path(file).name).write_bytes((tree / "usr" / file).read_bytes())
-            (tree / "usr" / file).unlink()
+        for file in self.moved:
+            (self.dir / file).parent.mkdir(parents=True)
+            shutil.move(tree / "usr" / file, self.dir / file)
         return self.older(control)
 
     def old_server(self, tree, control):
-        for file in "bin/latvoxd", "share/man/man8/latvoxd.8.gz":
+        for file in self.moved:
             (tree / "usr" / file).parent.mkdir(parents=True)
-            shutil.copy(self.dir / pathlib.Path(file).name, tree / "usr" / file)
+            shutil.move(self.dir / file, tree / "usr" / file)
         return self.older(control)
 
     def test_the_server_moves_in_an_upgrade(self):
@@ -259,7 +260,7 @@ class Installed(InRoot):
         folder = self.root.path / "etc/systemd/system/latvoxd.service.d"
         folder.mkdir(exist_ok=True)
         (folder / name).write_text(text)
-        self.addCleanup((folder / name).unlink)
+        self.addCleanup((folder / name).unlink, missing_ok=True)
         self.root.shell(f"systemctl daemon-reload; systemctl restart {' '.join(how)} latvoxd")
 
     def it_starts_with_the_first_client(self):
@@ -337,18 +338,18 @@ class Installed(InRoot):
         self.assertIn("token", refused.stderr)
 
     def it_has_a_folder_for_a_socket(self):
-        self.drop_in("socket.conf", "[Service]\nEnvironment=LATVOX_LISTEN=unix:/run/latvoxd/socket\nUMask=0111\n")
+        self.drop_in("listen.conf", "[Service]\nEnvironment=LATVOX_LISTEN=unix:/run/latvoxd/socket\nUMask=0111\n")
         ask = ["latvox", "limits", "--server", "unix:/run/latvoxd/socket"]
         self.assertIn("max_jobs", self.root.run("setpriv", "--reuid=nobody", "--clear-groups", *ask).stdout)
 
     def it_waits_for_its_address(self):
         """More often than systemd by itself would try."""
-        self.drop_in("address.conf", f"[Service]\nEnvironment=LATVOX_LISTEN={OUTSIDE}:50151\n", "--no-block")
+        self.drop_in("listen.conf", f"[Service]\nEnvironment=LATVOX_LISTEN={OUTSIDE}:50151\n", "--no-block")
         await_true("it gives up", lambda: int(self.show("NRestarts")) >= 6, 60)
         _, leader, *_ = self.root.inside
         run("nsenter", leader, "--net", "ip", "address", "add", f"{OUTSIDE}/32", "dev", "lo")
         await_true("it does not start", lambda: self.show("ActiveState") == "active", 30)
-        self.drop_in("later.conf", "[Service]\nEnvironment=LATVOX_LISTEN=127.0.0.1:50151\n")
+        self.drop_in("listen.conf", "[Service]\nEnvironment=LATVOX_LISTEN=127.0.0.1:50151\n")
 
 
 class Lifecycle(InRoot):
