@@ -132,12 +132,12 @@ class AsTheReadmeSays(InRoot):
     def test_the_first_command_of_the_readme_makes_its_file(self):
         block, told = re.search(r"^## Three commands$.*?^```sh\n(.*?)^```.*?^```text\n(.*?)^```", (ROOT / "README.md").read_text(), re.M | re.S).groups()
         self.assertIn("-o bunny.vdb", block)
-        done = self.root.shell(f"cd /tmp; {block} latvox info bunny.vdb", timeout=60)
+        done = self.root.shell(f"cd /tmp; {block} latvox info bunny.vdb", timeout=300)
         digest = re.search(r"digest (\w{32})", told)[1]
         self.assertIn(f"latvox_digest = {digest}", done.stdout)
 
     def test_the_libraries_that_a_call_loads_late_are_there(self):
-        self.root.shell(f"cd /tmp; latvox voxelize {BUNNY} --resolution 64 -o a.h5; latvox info a.h5", timeout=60)
+        self.root.shell(f"cd /tmp; latvox voxelize {BUNNY} --resolution 64 -o a.h5; latvox info a.h5", timeout=300)
         refused = self.root.run("env", "AWS_MAX_ATTEMPTS=1", "latvox", "voxelize", "http://127.0.0.1:1/a.obj", "-o", "/tmp/a.csv", check=False)
         self.assertNotEqual(refused.returncode, 0)
         self.assertIn("127.0.0.1", refused.stderr)
@@ -174,9 +174,9 @@ class Moved(InRoot):
     def test_the_server_moves_in_an_upgrade(self):
         for name, change in ("latvox", self.old_tool), ("latvoxd", self.old_server):
             repacked(name, change, self.dir, self.root.path / f"packages/old-{name}.deb")
-        self.root.shell("apt-get install -y -qq --no-install-recommends /packages/old-*.deb", timeout=600)
+        self.root.shell("apt-get install -y -qq --no-install-recommends /packages/old-*.deb", timeout=1200)
         self.assertIn("latvoxd:", self.root.run("dpkg", "--search", "/usr/bin/latvoxd").stdout)
-        self.root.shell("apt-get install -y -qq --no-install-recommends /packages/{latvox,latvoxd}_*.deb", timeout=600)
+        self.root.shell("apt-get install -y -qq --no-install-recommends /packages/{latvox,latvoxd}_*.deb", timeout=1200)
         self.assertIn("latvox:", self.root.run("dpkg", "--search", "/usr/bin/latvoxd").stdout)
         self.assertEqual(self.root.run("dpkg", "--verify", "latvox", "latvoxd").stdout, "")
 
@@ -193,11 +193,11 @@ class Sdk(InRoot):
         self.it_builds_by_pkg_config()
         for name in "latvox", "liblatvox-dev":
             repacked(name, newer, self.dir, self.root.path / f"packages/new-{name}.deb")
-        self.root.shell("apt-get install -y -qq --no-install-recommends /packages/new-*.deb", timeout=300)
+        self.root.shell("apt-get install -y -qq --no-install-recommends /packages/new-*.deb", timeout=1200)
         self.assertRegex(self.root.run("dpkg", "--list", "liblatvox-dev").stdout, r"(?m)^ii +liblatvox-dev.*\+1 ")
         self.assertEqual(self.root.run("dpkg", "--verify", "latvox", "liblatvox-dev").stdout, "")
         self.root.shell("apt-get purge -y -qq latvox liblatvox-dev; apt-get autoremove -y -qq --purge "
-                        "-o APT::AutoRemove::SuggestsImportant=false", timeout=600)
+                        "-o APT::AutoRemove::SuggestsImportant=false", timeout=1200)
         for file in self.root.path.glob("packages/new-*.deb"):
             file.unlink()
         self.assertEqual({path for path in self.root.files() ^ before if not re.match(THEIRS, path)}, set())
@@ -214,7 +214,7 @@ class Sdk(InRoot):
     def it_builds_by_pkg_config(self):
         for example, name in ("mesh_file", "latvox-mesh-files"), ("to_vdb", "latvox-grid"):
             words = f"g++ -std=c++20 -o /tmp/{example} /usr/share/doc/latvox/examples/{example}.cc"
-            self.root.shell(f"{words} $(pkg-config --static --cflags --libs {name})", timeout=600)
+            self.root.shell(f"{words} $(pkg-config --static --cflags --libs {name})", timeout=1200)
         self.assertEqual(self.root.run("/tmp/mesh_file", BUNNY, "40").stdout.splitlines(), self.lines)
 
 
@@ -344,11 +344,11 @@ class Installed(InRoot):
 
     def it_waits_for_its_address(self):
         """More often than systemd by itself would try."""
-        self.drop_in("listen.conf", f"[Service]\nEnvironment=LATVOX_LISTEN={OUTSIDE}:50151\n", "--no-block")
-        await_true("it gives up", lambda: int(self.show("NRestarts")) >= 6, 60)
+        self.drop_in("listen.conf", f"[Service]\nEnvironment=LATVOX_LISTEN={OUTSIDE}:50151 LATVOX_INSECURE=true\n", "--no-block")
+        await_true("it gives up", lambda: int(self.show("NRestarts")) >= 6, 240)
         _, leader, *_ = self.root.inside
         run("nsenter", leader, "--net", "ip", "address", "add", f"{OUTSIDE}/32", "dev", "lo")
-        await_true("it does not start", lambda: self.show("ActiveState") == "active", 30)
+        await_true("it does not start", lambda: self.show("ActiveState") == "active", 60)
         self.drop_in("listen.conf", "[Service]\nEnvironment=LATVOX_LISTEN=127.0.0.1:50151\n")
 
 
@@ -364,7 +364,7 @@ class Lifecycle(InRoot):
             self.upgrade()
             self.remove()
             self.root.shell("apt-get purge -y -qq latvox latvoxd python3-latvox; apt-get autoremove -y -qq --purge "
-                            "-o APT::AutoRemove::SuggestsImportant=false", timeout=300)
+                            "-o APT::AutoRemove::SuggestsImportant=false", timeout=1200)
         shutil.rmtree(self.root.path / "packages")
         before = {path for path in self.before if not path.startswith("/packages")}
         after = self.root.files()
@@ -382,7 +382,7 @@ class Lifecycle(InRoot):
         for name in ("latvox", "latvoxd", "python3-latvox"):
             repacked(name, newer, self.dir, self.root.path / f"packages/new-{name}.deb")
         first = self.root.run("systemctl", "show", "--value", "--property=MainPID", "latvoxd").stdout
-        self.root.shell("apt-get install -y -qq /packages/new-*.deb", timeout=300)
+        self.root.shell("apt-get install -y -qq /packages/new-*.deb", timeout=1200)
         self.assertNotEqual(self.root.run("systemctl", "show", "--value", "--property=MainPID", "latvoxd").stdout, first)
         self.assertEqual(self.systemctl("is-active"), "active")
         self.assertEqual(self.systemctl("is-active", "latvoxd.socket"), "active")
