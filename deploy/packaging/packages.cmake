@@ -73,8 +73,10 @@ It encodes meshes, reads mesh files, and makes OpenVDB grids of voxels.
 
 This package has the headers, the static libraries, the files for CMake and
 pkg-config, and the protocol."
-  DEPENDS "libabsl-dev, libblosc-dev, libboost-iostreams-dev, libdraco-dev, libgrpc++-dev, libmeshoptimizer-dev, libopenvdb-dev, \
-libprotobuf-dev, libpugixml-dev, libssl-dev, libtbb-dev, libzip-dev, libzstd-dev, pkgconf, protobuf-compiler-grpc, zlib1g-dev"
+  # libzip-dev names bz2 and lzma for static programs, and does not depend on them.
+  DEPENDS "libabsl-dev, libblosc-dev, libboost-iostreams-dev, libbz2-dev, libdraco-dev, libgrpc++-dev, liblzma-dev, \
+libmeshoptimizer-dev, libopenvdb-dev, libprotobuf-dev, libpugixml-dev, libssl-dev, libtbb-dev, libzip-dev, libzstd-dev, pkgconf, \
+protobuf-compiler-grpc, zlib1g-dev"
   SUGGESTS "latvox (= ${version})")
 if(LATVOX_PYTHON)
   # The extension's file has the version of Python in its name, and no other version finds it.

@@ -63,7 +63,7 @@ def repacked(name, change, folder, target):
     run("dpkg-deb", "--raw-extract", package(name), tree)
     control = tree / "DEBIAN/control"
     control.write_text(change(tree, control.read_text()))
-    run("dpkg-deb", "--build", tree, target)
+    run("dpkg-deb", "-Zgzip", "--build", tree, target, timeout=600)
     shutil.rmtree(tree)
 
 
