@@ -283,8 +283,8 @@ def voxelize_many(
 ) -> Iterator[Voxels]:
     """Voxelizes meshes, several at once, and yields their voxels in the order of the meshes.
 
-    jobs: the most calls at once, 1 or more; None: one for each core that this process may use. At most `jobs` answers are in memory. The server needs memory
-        for each call, and fails some if it has too little.
+    jobs: the most calls at once, 1 or more; None: one for each core that this process may use. At most `jobs` answers
+        are in memory. The server needs memory for each call, and fails some if it has too little.
     options: as for voxelize, the same for all.
 
     The first error ends it, and cancels the calls that run.
