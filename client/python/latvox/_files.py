@@ -47,7 +47,8 @@ def convert(
     fields: fields of the file to write, or "none"; None: all.
     npy, array, dims, pad: as for voxelize.
 
-    Warnings: latvox.VoxelizeWarning. Errors: InvalidArgument, if the file lacks a field, or if a format cannot hold the fields or the lattice.
+    Warnings: latvox.VoxelizeWarning. Errors: InvalidArgument, if the file lacks a field, or if a format cannot hold the
+    fields or the lattice.
     """
     options: Dict[str, Any] = {"fields": fields, "npy": npy, "array": array, "dims": dims, "pad": pad}
     warn(_latvox.convert(_word(path), {"out": out, **options}), 2)
