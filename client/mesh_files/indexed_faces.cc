@@ -23,7 +23,7 @@ absl::StatusOr<uint32_t> ToVertex(double index, const char* element, uint64_t n,
 absl::Status AppendFace(const std::vector<double>& indices, uint64_t n, Mesh& mesh) {
   absl::InlinedVector<uint32_t, 8> corners;
   for (const double index : indices) {
-    // Most corners, without the cost of a status.
+    // A status for each corner would cost more than this test.
     if (index >= 0 && index < static_cast<double>(mesh.positions.size())) {
       const auto vertex = static_cast<uint32_t>(index);
       if (vertex == index && IsFinite(mesh.positions[vertex])) {

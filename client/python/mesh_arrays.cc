@@ -55,6 +55,13 @@ absl::Status NotFinite(size_t vertex, const Vec3d& position) {
   return Wrong("vertices", absl::StrCat(x), "finite numbers", "[", vertex, "]: ", x, " is not finite");
 }
 
+// Returns the array, or a copy if its numbers may lie where the processor does not read such numbers, as those of a
+// packed record do.
+py::array Aligned(const py::array& given) {
+  const bool is_aligned = (given.flags() & py::detail::npy_api::NPY_ARRAY_ALIGNED_) != 0;
+  return is_aligned ? given : py::array(given.attr("copy")());
+}
+
 // Calls take(rows) with the array as it is if its numbers are of the type T; otherwise returns false.
 template <class T, class Take>
 bool TakeAs(const py::array& given, const Take& take) {
@@ -76,7 +83,8 @@ std::vector<Vec3d> PositionsOf(const py::array_t<T>& given) {
   return positions;
 }
 
-absl::Status AddPositions(const py::array& given, bool skip_bad, Mesh& mesh) {
+absl::Status AddPositions(const py::array& asked, bool skip_bad, Mesh& mesh) {
+  const py::array given = Aligned(asked);
   if (!IsTable(given, "fiu") || given.shape(1) != 3) return WrongKind("vertices", given, "(n, 3) numbers");
   const auto take = [&mesh](const auto& rows) { mesh.positions = PositionsOf(rows); };
   if (!TakeAs<double>(given, take) && !TakeAs<float>(given, take)) {
@@ -143,7 +151,8 @@ absl::Status AddRows(const py::array_t<T>& given, size_t first, BadElements& bad
   return absl::OkStatus();
 }
 
-absl::Status AddFaces(const py::array& given, size_t first, BadElements& bad, FaceColors& colors, Mesh& mesh) {
+absl::Status AddFaces(const py::array& asked, size_t first, BadElements& bad, FaceColors& colors, Mesh& mesh) {
+  const py::array given = Aligned(asked);
   if (!IsTable(given, "iu") || given.shape(1) < 3) {
     return WrongKind("faces", given, "(m, 3) integers, or more of them in a row");
   }

@@ -16,8 +16,8 @@
 
 namespace latvox::client::python {
 
-// Returns FAILED_PRECONDITION if this process is a fork of one that had called this function: the threads of gRPC and of
-// oneTBB do not exist in it, and its connections belong to the other process.
+// Returns FAILED_PRECONDITION if this process is a fork of one that had called this function: the threads of gRPC and
+// of oneTBB do not exist in it, and its connections belong to the other process.
 absl::Status CheckProcess();
 
 // Call it when the module is loaded, and again after OpenVDB is. If this process then ends as a fork, or with an

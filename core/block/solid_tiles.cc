@@ -33,10 +33,6 @@ BitsLayout LayoutOf(const Vec3i& tile_ijk) { return {tile_ijk * kTileSide, {}}; 
 
 }  // namespace
 
-std::string WithoutOrientation(bool closed, InteriorRule rule) {
-  return closed ? absl::StrFormat(" with one orientation, as the rule %s asks", NameOf(rule)) : "";
-}
-
 // A closed mesh is balanced on every line. For another mesh, all lines must be checked.
 absl::StatusOr<std::unique_ptr<const Interior>> MakeInterior(const SnappedMesh& mesh, const Solid& solid, bool closed,
                                                              const IndexBox& region, StopSignal stop,

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <memory>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -22,9 +21,6 @@
 #include "core/tree/tile_tree.h"
 
 namespace latvox {
-
-// Returns words for the error of a mesh without an inside: what it lacks, if it is closed.
-std::string WithoutOrientation(bool closed, InteriorRule rule);
 
 // Returns the interior of a solid, the rule for it (that of `solid`, or what kAuto becomes), and the number of the
 // mesh's lines along k that end unbalanced.

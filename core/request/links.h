@@ -4,11 +4,11 @@
 
 namespace latvox {
 
-// The ends that belong to the set. For the inside, parity decides, because it agrees with the numbers of crossings.
+// The ends that belong to the set. VoxelizeOptions::interior_rule tells the inside.
 enum class LinkSide { kBoth, kInside, kOutside };
 
 struct Links {
-  LinkSide side = LinkSide::kBoth;  // other than kBoth: the mesh must be closed
+  LinkSide side = LinkSide::kBoth;  // other than kBoth: the mesh must be closed by the rule
 };
 
 }  // namespace latvox

@@ -10,6 +10,7 @@
 #include <span>
 #include <vector>
 
+#include "absl/strings/str_cat.h"
 #include "core/solid/axis_crossing.h"
 
 #define XXH_INLINE_ALL
@@ -109,6 +110,10 @@ class LineCount {
 };
 
 }  // namespace
+
+std::string WithoutOrientation(bool closed, InteriorRule rule) {
+  return closed ? absl::StrCat(" with one orientation, as the rule ", NameOf(rule), " asks") : "";
+}
 
 bool IsOriented(const SnappedMesh& mesh, StopSignal stop) {
   constexpr size_t kGrain = 4096;  // triangles for each task

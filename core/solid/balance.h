@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <span>
+#include <string>
 
 #include "core/base/stop_signal.h"
 #include "core/request/solid.h"
@@ -15,6 +16,9 @@ namespace latvox {
 // the path. It uses hashes, like SurfaceFacts::closed: the answer is always yes for such a mesh. For another mesh it is
 // yes with a probability of at most 2^-64, as far as hashes of positions are random.
 bool IsOriented(const SnappedMesh& mesh, StopSignal stop = {});
+
+// Returns words for the error of a mesh without an inside: what it lacks, if it is closed.
+std::string WithoutOrientation(bool closed, InteriorRule rule);
 
 // Returns the number of lattice lines along k that end unbalanced: the sum of their signed crossings is odd (kParity),
 // or not 0 (other rules). A closed (kParity) or oriented (other rules) mesh has none. Another mesh may have none as

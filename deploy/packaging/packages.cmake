@@ -1,6 +1,6 @@
-# Debian packages of an ordinary build: deploy/packaging/build makes them. Each has one component of the installation, or
-# several; what belongs to no package stays out. The variables depend on the release that the packages are for, and the
-# script sets them.
+# Debian packages of an ordinary build: deploy/packaging/build makes them. Each has one component of the installation,
+# or several; what belongs to no package stays out. The variables depend on the release that the packages are for, and
+# the script sets them.
 set(LATVOX_PACKAGE_RELEASE 1 CACHE STRING "Revision of the Debian packages, with the release: 1~deb12")
 set(LATVOX_PACKAGE_SUITE unstable CACHE STRING "Debian release that the packages are for, as their change log names it")
 set(LATVOX_PACKAGE_DATE "Thu, 01 Jan 1970 00:00:00 +0000" CACHE STRING "Date in the packages' change log")
@@ -10,7 +10,8 @@ set(latvox_packages)
 set(latvox_packed)
 # Adds the package NAME with the files of COMPONENTS. CPack calls that a group, whose files lie in a folder of its name.
 function(latvox_add_package NAME)
-  cmake_parse_arguments(PARSE_ARGV 1 ARG "" "SECTION;SUMMARY;TEXT;DEPENDS;RECOMMENDS;SUGGESTS;BREAKS" "COMPONENTS;CONTROL")
+  cmake_parse_arguments(PARSE_ARGV 1 ARG "" "SECTION;SUMMARY;TEXT;DEPENDS;RECOMMENDS;SUGGESTS;BREAKS"
+                        "COMPONENTS;CONTROL")
   string(TOUPPER ${NAME} upper)
   foreach(component IN LISTS ARG_COMPONENTS)
     string(TOUPPER ${component} member)

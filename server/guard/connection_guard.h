@@ -42,8 +42,8 @@ GuardFacts ReadGuardFacts();
 bool HasFix(const std::string& version);
 
 // Returns INVALID_ARGUMENT if a client could end the process by a connection that it resets before this version of gRPC
-// takes it over from a socket of a service manager. `guarded`: the guard is in effect, and prevents that.
-absl::Status CheckTakeover(bool guarded, const std::string& version);
+// takes it over from a socket of a service manager. `is_guarded`: the guard is in effect, and prevents that.
+absl::Status CheckTakeover(bool is_guarded, const std::string& version);
 
 // Returns why an anonymous connection can stop this process, or nothing if the guard or gRPC's fix is in effect.
 std::string LackOfDefense();

@@ -60,13 +60,14 @@ void SocketAcceptor::Run() {
   std::vector<pollfd> polled = {{stop_, POLLIN, 0}};
   for (const Listener& listener : listeners_) polled.push_back({listener.socket.fd, POLLIN, 0});
   while (true) {
-    bool accepted = poll(polled.data(), polled.size(), -1) > 0;
-    if (accepted && polled[0].revents != 0) return;
-    // One of each, so that no socket and no Stop waits for the connections of another.
-    for (size_t n = 0; n < listeners_.size() && accepted; ++n) {
-      if (polled[n + 1].revents != 0) accepted = AcceptOne(listeners_[n]);
+    const bool polls = poll(polled.data(), polled.size(), -1) > 0;
+    if (polls && polled[0].revents != 0) return;
+    bool fails = !polls;
+    // One of each, so that no socket and no Stop waits for the connections, or the failures, of another.
+    for (size_t n = 0; n < listeners_.size() && polls; ++n) {
+      if (polled[n + 1].revents != 0 && !AcceptOne(listeners_[n])) fails = true;
     }
-    if (!accepted) poll(polled.data(), 1, kPauseMs);
+    if (fails) poll(polled.data(), 1, kPauseMs);
   }
 }
 

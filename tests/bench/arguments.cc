@@ -68,8 +68,8 @@ void Declare(CLI::App& app, Arguments& arguments, Words& words) {
   app.add_option(
       "MESH", arguments.mesh,
       "box, sphere:N (about N triangles), wires:N (N thin wires), ground, forest:N (N tetrahedra), tangle:N, fan:N, "
-      "cylinder:N, "
-      "gears, plates, honeycomb, threads, pipes, city, shells, tree, or a file: .drc .obj .ply .stl .glb .gltf .3ds");
+      "cylinder:N, gears, plates, honeycomb, threads, pipes, city, shells, tree, or a file: .drc .obj .ply .stl .glb "
+      ".gltf .3ds");
   app.add_option("RESOLUTION", arguments.resolution, "voxels along the longest side")
       ->check(CLI::Range(uint32_t{2}, kMaxResolution));
   app.add_option("--subdivide", arguments.subdivide, "how often each triangle is divided into four")

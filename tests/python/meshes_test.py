@@ -31,7 +31,19 @@ def test_arrays_of_any_type(vertices, faces, digest):
     assert v.report["mesh"]["triangles"] == 8
 
 
-@pytest.mark.parametrize("change", [np.asfortranarray, lambda a: np.repeat(a, 2, 0)[::2], np.ndarray.tolist])
+def in_packed_records(array):
+    """Returns the array as a field of records of odd length, whose numbers are not aligned."""
+    records = np.zeros(len(array), [("first", "u1"), ("row", array.dtype, array.shape[1])])
+    records["row"] = array
+    return records["row"]
+
+
+def after_a_byte(array):
+    """Returns the array in order, at an odd address."""
+    return np.frombuffer(b"x" + array.tobytes(), array.dtype, offset=1).reshape(array.shape)
+
+
+@pytest.mark.parametrize("change", [np.asfortranarray, lambda a: np.repeat(a, 2, 0)[::2], np.ndarray.tolist, in_packed_records, after_a_byte])
 def test_arrays_of_any_layout(change, digest):
     assert latvox.voxelize((change(VERTICES.astype(float)), change(TRIANGLES)), **OPTIONS).digest == digest
 

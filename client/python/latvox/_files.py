@@ -26,7 +26,7 @@ def open(path: _Path) -> Grid:
 
     The file may be of another program: a grid of bool, or a band as a grid of float with the name distance.
 
-    Errors: NotFound; InvalidArgument for a file with other grids alone, or with what no .vdb or .nvdb has.
+    Errors: NotFound; InvalidArgument for a file that has no such grid, or is no .vdb or .nvdb.
     """
     return Grid(_latvox.open(os.fspath(path)))
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <initializer_list>
 #include <limits>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -128,7 +129,7 @@ class VoxOutput final : public Output {
   }
 
   std::vector<Warning> Warnings() const override {
-    const Palette palette = PaletteOfNumbers(numbers_, color_by_);
+    const Palette& palette = WholePalette();
     const auto merged =
         WarningOfMergedColors(file_->target(), color_by_, palette.number_of.size(), palette.colors.size());
     return merged ? std::vector{*merged} : std::vector<Warning>();
@@ -191,6 +192,12 @@ class VoxOutput final : public Output {
     return middle;
   }
 
+  // Once all voxels have come. The warnings and the file need the same one.
+  const Palette& WholePalette() const {
+    if (!palette_) palette_ = PaletteOfNumbers(numbers_, color_by_);
+    return *palette_;
+  }
+
   static std::string SizeOf(const IndexBox& box) {
     std::string size;
     for (size_t m = 0; m < 3; ++m) size += Word(static_cast<uint64_t>(int64_t{box.max[m]} - box.min[m]));
@@ -225,7 +232,7 @@ class VoxOutput final : public Output {
 
   absl::Status Write() {
     const std::vector<Model> models = TakeModels();
-    const Palette palette = PaletteOfNumbers(numbers_, color_by_);
+    const Palette& palette = WholePalette();
     Scene scene(models.size());
     uint64_t voxels = 0;
     for (const Model& model : models) {
@@ -253,6 +260,7 @@ class VoxOutput final : public Output {
   VoxelBox box_;
   std::vector<ColoredBrick> bricks_;
   std::vector<uint32_t> numbers_;  // of all voxels, in the order of the stream; empty: no colors
+  mutable std::optional<Palette> palette_;
 };
 
 }  // namespace

@@ -6,7 +6,8 @@
 //   active voxels   the voxel set; the value is true there, and false (the background) elsewhere
 //   metadata        latvox_lattice, latvox_separability, latvox_minimal, latvox_whole_minimal, latvox_set,
 //                   latvox_closed, latvox_digest, latvox_voxel_size, latvox_basis (9 numbers), latvox_origin,
-//                   latvox_version, ...; of a solid latvox_unbalanced_lines; latvox_interior_rule
+//                   latvox_version, ...; of a solid latvox_unbalanced_lines; latvox_interior_rule, where the set or a
+//                   field depends on the inside
 #ifndef LATVOX_LATVOX_GRID_VOXEL_GRID_H_
 #define LATVOX_LATVOX_GRID_VOXEL_GRID_H_
 

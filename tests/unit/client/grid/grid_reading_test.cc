@@ -43,7 +43,8 @@ TEST_F(GridReading, VoxelsThatAreNotBooleanAreRefused) {
   };
   const auto numbers = openvdb::FloatGrid::create();
   numbers->setName("density");
-  EXPECT_THAT(refusal(numbers), HasSubstr("the grid \"density\" is a Tree_float_5_4_3; voxels are read from a bool grid, and distances"));
+  EXPECT_THAT(refusal(numbers),
+              HasSubstr("the grid \"density\" is a Tree_float_5_4_3; voxels are read from a bool grid, and distances"));
   const auto vast = openvdb::BoolGrid::create();
   vast->fill(openvdb::CoordBBox(openvdb::Coord(0), openvdb::Coord(4095)), true);
   EXPECT_THAT(refusal(vast), HasSubstr("o.vdb: has active tiles of 68719476736 voxels, more than 2147483648"));

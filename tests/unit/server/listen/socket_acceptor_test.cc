@@ -60,8 +60,8 @@ TEST_F(SocketAcceptorTest, GivesConnectionsTheOptionsOfGrpc) {
 
 TEST_F(SocketAcceptorTest, ItsConnectionsAreGuarded) {
   Start();
-  ASSERT_TRUE(Eventually([] { return ReadGuardFacts().connections == 0; })) << "those of other tests";
   for (const Socket* listener : {&v4_, &local_}) {
+    ASSERT_TRUE(Eventually([] { return ReadGuardFacts().connections == 0; })) << "those of before";
     const uint64_t closed = ClosedForHeaders();
     const size_t connections = ReadGuardFacts().connections;
     {
@@ -82,6 +82,12 @@ TEST_F(SocketAcceptorTest, OutlivesConnectionsThatAreResetAtOnce) {
   for (int n = 0; n < 100; ++n) Socket::Reset(v4_.Connect(n % 2 == 0 ? http2::Preface() : ""));
   EXPECT_TRUE(v4_.Connect(http2::Preface()).IsGreeted());
   EXPECT_TRUE(Eventually([] { return ReadGuardFacts().connections == 0; }));
+}
+
+TEST_F(SocketAcceptorTest, ServesOneSocketWhileAnotherFails) {
+  Start();
+  ASSERT_EQ(shutdown(v4_.fd(), SHUT_RD), 0);  // it is ready at all times, and accept4 fails
+  for (int n = 0; n < 3; ++n) EXPECT_TRUE(local_.Connect(http2::Preface()).IsGreeted());
 }
 
 TEST_F(SocketAcceptorTest, ConnectionsThatComeTooLateWaitForTheNextServer) {
