@@ -296,7 +296,7 @@ class Installed(InRoot):
         self.assertEqual(self.show("ActiveState"), "active")
 
     def it_drains(self):
-        self.drop_in("metrics.conf", "[Service]\nEnvironment=LATVOX_METRICS_LISTEN=127.0.0.1:9464\n")
+        self.drop_in("metrics.conf", "[Service]\nEnvironment=LATVOX_METRICS_LISTEN=127.0.0.1:9464 LATVOX_GRACE=60\n")
         job = f"latvox voxelize {BUNNY} --resolution 10000 --server {ADDRESS} --json"
         client = subprocess.Popen([*self.root.inside, "bash", "-c", job], stdout=subprocess.PIPE, text=True)
         self.addCleanup(client.stdout.close)
@@ -382,7 +382,7 @@ class Lifecycle(InRoot):
         for name in ("latvox", "latvoxd", "python3-latvox"):
             repacked(name, newer, self.dir, self.root.path / f"packages/new-{name}.deb")
         first = self.root.run("systemctl", "show", "--value", "--property=MainPID", "latvoxd").stdout
-        self.root.shell("apt-get install -y -qq /packages/new-*.deb", timeout=1200)
+        self.root.shell("apt-get install -y -qq --no-install-recommends /packages/new-*.deb", timeout=1200)
         self.assertNotEqual(self.root.run("systemctl", "show", "--value", "--property=MainPID", "latvoxd").stdout, first)
         self.assertEqual(self.systemctl("is-active"), "active")
         self.assertEqual(self.systemctl("is-active", "latvoxd.socket"), "active")
@@ -398,7 +398,7 @@ class Lifecycle(InRoot):
         knock = f": <>/dev/tcp/{ADDRESS.replace(':', '/')}"
         self.assertNotEqual(self.root.run("bash", "-c", knock, check=False).returncode, 0, "the socket is still open")
         self.assertIn("max-jobs = 7", (self.root.path / "etc/latvox/latvoxd.toml").read_text())
-        self.root.shell("apt-get install -y -qq /packages/new-*.deb; systemctl start latvoxd", timeout=300)
+        self.root.shell("apt-get install -y -qq --no-install-recommends /packages/new-*.deb; systemctl start latvoxd", timeout=300)
         self.assertRegex(self.root.run("latvox", "limits", "--server", ADDRESS).stdout, r"max_jobs +7\b")
 
 
