@@ -112,7 +112,7 @@ class LineCount {
 }  // namespace
 
 std::string WithoutOrientation(bool closed, InteriorRule rule) {
-  return closed ? absl::StrCat(" with one orientation, as the rule ", NameOf(rule), " asks") : "";
+  return closed ? absl::StrCat(" with one orientation, as the rule ", std::string{NameOf(rule)}, " asks") : "";
 }
 
 bool IsOriented(const SnappedMesh& mesh, StopSignal stop) {
