@@ -21,7 +21,8 @@ namespace {
 
 namespace py = pybind11;
 
-// Throws FAILED_PRECONDITION if the batches of a call had the voxels. What is made of these would be empty, and wrong.
+// Throws FAILED_PRECONDITION if the caller got the voxels in batches. This answer has none, so a file or an array of it
+// would be empty.
 void CheckPresent(const Voxels& voxels) {
   if (!voxels.is_streamed) return;
   Check(absl::FailedPreconditionError(

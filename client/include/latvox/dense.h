@@ -50,7 +50,7 @@ LATVOX_EXPORT absl::StatusOr<DenseVoxels> ToDense(std::span<const Brick> bricks,
 LATVOX_EXPORT absl::StatusOr<DenseVoxels> ToDense(const Voxelization& all, const IndexBox& box,
                                                   uint64_t most_points = kMostDensePoints);
 
-// Does the same with the fields of `all` alone, which may be some of those that voxels carry.
+// Does the same for bricks with some fields of a call. The array has the fields in `all`, and no others.
 LATVOX_EXPORT absl::StatusOr<DenseVoxels> ToDense(const BrickBatch& all, const IndexBox& box,
                                                   uint64_t most_points = kMostDensePoints);
 

@@ -94,8 +94,8 @@ struct VoxelizeRequest {
   VoxelSet set = Surface{};                         // the lattice points to find
   std::vector<Field> fields = {};                   // carried by each of them, each once; the mesh must have its own
   bool signed_distance = false;                     // Field::kDistance is negative inside
-  // The rule for the inside, for signed_distance, Field::kFraction and one side of Links. A Solid has its own: leave
-  // kAuto then.
+  // The rule for the inside, for signed_distance, Field::kFraction and one side of Links. Without any of these, and for
+  // a Solid, which has a rule of its own, only kAuto is allowed.
   InteriorRule interior_rule = InteriorRule::kAuto;
   // For Field::kFraction and kLabelFractions: the number of points along each axis of a cell, 2 to 16. Otherwise 0.
   uint32_t fraction_n = 0;
