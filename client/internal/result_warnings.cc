@@ -74,7 +74,7 @@ std::string WhyNothingIsInside(const SolidFacts& solid, const GridTransform& gri
 }
 
 // Precondition: the request has neither region nor bounds.
-Warning EmptyWhole(const Accepted& accepted, const Certificate& certificate) {
+Warning EmptyWhole(const VoxelizeRequest& request, const Accepted& accepted, const Certificate& certificate) {
   if (const auto& shard = certificate.shard; shard && shard->count > 1) {
     return {"EMPTY_SHARD",
             absl::StrCat("shard ", shard->index, "/", shard->count, " has no voxel; others may have some"), "shard"};
@@ -91,7 +91,7 @@ Warning EmptyWhole(const Accepted& accepted, const Certificate& certificate) {
                          "); a leak from a point inside shows why, and close may close it"),
             certificate.set};
   }
-  if (!certificate.interior_rule.empty() && certificate.set == "links") {
+  if (const auto* links = std::get_if<Links>(&request.set); links != nullptr && links->side != LinkSide::kBoth) {
     return {"EMPTY_RESULT",
             absl::StrCat("no end of a step that the mesh crosses lies on this side of it (voxel size ",
                          accepted.grid.voxel_size, ")"),
@@ -134,7 +134,7 @@ std::vector<Warning> WarningsOf(const VoxelizeRequest& request, const Accepted& 
   std::vector<Warning> warnings;
   if (summary.voxels == 0) {
     warnings.push_back(request.region || request.bounds ? EmptyBox(request, accepted)
-                                                        : EmptyWhole(accepted, summary.certificate));
+                                                        : EmptyWhole(request, accepted, summary.certificate));
   }
   if (const auto& walk = summary.certificate.walk) {
     if (auto warning = LabelsWithoutInside(request, *walk)) warnings.push_back(*std::move(warning));

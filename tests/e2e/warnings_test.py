@@ -99,6 +99,8 @@ class Warnings(Case):
             (plate, [*step, *solid, "--rule", "positive"], "EMPTY_RESULT", "or turned inside out"),
             (hole, [*step, *solid, "--force-open"], "EMPTY_RESULT", "the mesh is not closed, and [0-9]+ lattice lines"),
             (speck, step, "EMPTY_RESULT", "the mesh crosses no step between neighboring lattice points"),
+            (speck, [*step, "--set", "links", "--fields", "distance", "--signed"], "EMPTY_RESULT", "the mesh crosses no step"),
+            (plate, [*step, "--set", "links", "--side", "inside"], "EMPTY_RESULT", "no end of a step .* lies on this side of it"),
             (speck, [*step, "--band", "0.01"], "EMPTY_RESULT", "no lattice point lies within 0.01 of the mesh"),
             (speck, ["--resolution", "2", "--shard", "0/9999"], "EMPTY_SHARD", "shard 0/9999 has no voxel"),
         ):
