@@ -72,10 +72,20 @@ class Release(unittest.TestCase):
         self.git("commit", "--quiet", "--message", version)
 
     def stub(self, name, script):
-        (self.dir / "bin" / name).write_text(f"#!/bin/bash\n{script}\n")
+        path = self.dir / "bin" / name
+        path.write_text(f"#!/bin/bash\n{script}\n")
+        path.chmod(0o755)
+
+    def commit(self, path, change):
+        """Commits a script after `change` of its text."""
+        script = self.repository / path
+        script.write_text(change(script.read_text()))
+        self.git("commit", "--quiet", "--all", "--message", path)
 
     def release(self, *words, abi="one", buf="true"):
         environment = os.environ | {"PATH": f"{self.dir / 'bin'}:{os.environ['PATH']}", "LATVOX_BUF": str(buf), "ABI": abi}
+        if buf is None:
+            del environment["LATVOX_BUF"]
         return subprocess.run([self.repository / "deploy/release", *words], env=environment, capture_output=True, text=True)
 
     def refused(self, why, *words, **options):
@@ -112,23 +122,45 @@ class Release(unittest.TestCase):
         with tarfile.open(folder / "latvox-0.1.0.tar.gz") as tarball:
             self.assertIn("latvox-0.1.0/CMakeLists.txt", tarball.getnames())
         for release in "bookworm", "trixie":
-            self.assertIn("latvox-vdb.so libcurl.so.4", (folder / f"latvox-0.1.0-{release}.spdx.json").read_text())
+            self.assertIn("latvox-vdb.so client/python/latvox/_latvox.*.so libcurl.so.4", (folder / f"latvox-0.1.0-{release}.spdx.json").read_text())
         for told in ("no release before this one", "no ABI of a last release", "whose maintainer is a <a@localhost>", "git tag -s v0.1.0"):
             self.assertIn(told, text)
 
-    def test_the_image_has_the_time_of_the_commit(self):
+    def test_a_fresh_machine_gets_its_programs_first(self):
+        for name in "git", "npm":
+            self.stub(name, "exit 127")
+        npm = "mkdir -p tests/node/node_modules/.bin; ln -s /bin/true tests/node/node_modules/.bin/buf"
+        script = f"[[ $1 == release ]]; rm '{self.dir}/bin/git'; printf '#!/bin/bash\n{npm}\n' >'{self.dir}/bin/npm'"
+        self.commit("deploy/install-packages", lambda text: f"{text}{script}\n")
+        self.made("0.1.0", buf=None)
+
+    def test_root_releases_the_clone_of_somebody_else(self):
+        self.git("tag", "v0.0.9")
+        with unittest.mock.patch.dict(os.environ, GIT_TEST_ASSUME_DIFFERENT_OWNER="1"):
+            self.assertIn("whose maintainer is a <a@localhost>", self.made("0.1.0"))
+
+    def test_the_image_has_the_time_of_the_commit_and_its_health_check(self):
         self.made("0.1.0")
         time = self.git("log", "-1", "--format=%ct").strip()
         built = (self.repository / "podman.log").read_text()
-        self.assertRegex(built, rf"(?m)^podman build --timestamp {time} .* --build-arg SOURCE_DATE_EPOCH={time} --tag localhost/latvox:0.1.0 \.$")
+        self.assertRegex(built, rf"(?m)^podman build --format docker --timestamp {time} .* --build-arg SOURCE_DATE_EPOCH={time} --tag localhost/latvox:0.1.0 \.$")
 
     def test_a_machine_that_builds_no_image_is_refused_unless_none_is_wanted(self):
         self.stub("podman", "exit 1")
-        self.refused("neither docker nor podman nor buildah runs here", "0.1.0")
+        self.refused("neither docker with buildx nor podman nor buildah runs here", "0.1.0")
         self.assertIn("NOT BUILT", self.made("0.1.0", "--without-image"))
         self.stub("buildah", 'if [[ $1 == push ]]; then file=${3#docker-archive:}; echo image >"${file%%:*}"; fi')
         self.made("0.1.0")
         self.assertTrue((self.repository / "build/releases/0.1.0/latvox-0.1.0-image.tar.gz").exists())
+
+    def test_docker_builds_the_image_if_it_has_buildx(self):
+        log = self.repository / "podman.log"
+        for buildx, builder in (False, "podman"), (True, "docker"):
+            self.stub("docker", f"[[ $1 == info ]] || {str(buildx).lower()} || exit 1\n{PROGRAMS['podman'].replace('podman $*', 'docker $*')}")
+            self.made("0.1.0")
+            (built,) = re.findall(r"^(\w+) (?:buildx )?build .*", log.read_text(), re.M)
+            self.assertEqual(built, builder)
+            log.unlink()
 
     def test_no_temporary_file_stays(self):
         temporary = self.dir / "temporary"
@@ -209,6 +241,23 @@ class Release(unittest.TestCase):
         self.refused("--last-abi: there is no file none", "0.1.1", "--last-abi", "none")
         self.refused("liblatvox: the ABI may break programs of 0.1.0", "0.1.1", "--last-abi", dump, abi="another")
         self.assertIn("liblatvox: programs of 0.1.0 go on working", self.made("0.1.1", "--last-abi", dump))
+
+    def test_the_abi_is_that_of_one_debian_release_on_each_machine(self):
+        """Also the programs of a dump are those of that release."""
+        system = self.dir / "os-release"
+        self.commit("deploy/release", lambda text: text.replace("/etc/os-release", str(system)))
+        # Like the real one: `build` is a folder of the release's own.
+        view = 'view=$(mktemp -d); ln -s "$PWD"/* $view; mkdir -p build/$1; ln -sfn "$PWD/build/$1" $view/build; cd $view; DEBIAN=$1 "${@:2}"'
+        self.commit("deploy/packaging/in-debian", lambda _: f"#!/bin/bash\n{view}\n")
+        self.commit("deploy/install-packages", lambda text: text + 'echo "$* ${DEBIAN:-own}" >>"$INSTALLED"\n')
+        self.stub("abidw", PROGRAMS["abidw"].replace("$ABI", "of ${DEBIAN:-own}"))
+        for release, dumped in ("bookworm", "own"), ("trixie", "bookworm"):
+            system.write_text(f"VERSION_CODENAME={release}\n")
+            with unittest.mock.patch.dict(os.environ, INSTALLED=str(self.dir / release)):
+                self.made("0.1.0")
+            with tarfile.open(self.repository / "build/releases/0.1.0/latvox-0.1.0.abi.tar.gz") as dump:
+                self.assertEqual(dump.extractfile("./liblatvox.abi").read().decode(), f"of {dumped}\n")
+            self.assertIn(f"release {dumped}\n", (self.dir / release).read_text())
 
     def test_a_dry_run_goes_on_and_tells_what_it_would_refuse(self):
         self.replace("CMakeLists.txt", "CXX)", "CXX )")
