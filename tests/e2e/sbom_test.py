@@ -8,8 +8,12 @@ import unittest
 
 from harness import BIN, PATIENCE, Case
 
+BUILD = BIN.parent
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PROGRAMS = [BIN / "latvox", *BIN.glob("latvox-vdb.so"), BIN / "latvoxd"]
+EXTENSION = list(BUILD.glob("client/python/latvox/_latvox.*.so"))
+# Sources of Debian's packages that a build installs, and of which no code is in the programs.
+FOREIGN = {"assimp", "boost-defaults", "googletest", "python3-defaults"}
 LATE = next(pathlib.Path("/usr/lib").glob("*/libcurl.so.4"))  # a library that latvox loads when it needs it
 
 
@@ -58,6 +62,19 @@ class Sbom(Case):
         self.assertEqual((three["licenseDeclared"], three["checksums"][0]["algorithm"]), ("MIT", "SHA512"))
         static = [r["relatedSpdxElement"] for r in self.document["relationships"] if r["relationshipType"] == "STATIC_LINK"]
         self.assertEqual(static, [self.packages["openvdb"]["SPDXID"]])
+
+    def test_each_library_that_a_build_installs_is_listed(self):
+        """Those of headers alone, too, which no program loads."""
+        document = json.loads(sbom(*PROGRAMS, *EXTENSION, *(BUILD / "late_libraries.txt").read_text().split()).stdout)
+        rows = [line.split() for line in (ROOT / "deploy/packages").read_text().splitlines()]
+        built = {row[1] for row in rows if row[:1] == ["build"] and row[1].endswith("-dev")}
+        told = subprocess.run(["dpkg-query", "-W", "-f=${source:Package}\n", *built], capture_output=True, text=True, check=True).stdout
+        listed = {package["sourceInfo"].split()[5] for package in document["packages"] if "sourceInfo" in package}
+        self.assertEqual(set(told.split()) - listed, FOREIGN | ({"pybind11"} if not EXTENSION else set()))
+        names = {package["SPDXID"]: package["name"] for package in document["packages"]}
+        held = {names[r["relatedSpdxElement"]] for r in document["relationships"] if r["relationshipType"] == "CONTAINS"}
+        self.assertLessEqual({"three", "libcli11-dev", "libnanovdb-dev", "libtomlplusplus-dev", "nlohmann-json3-dev"}, held)
+        self.assertNotIn("pybind11-dev", self.packages, "programs without the Python package")
 
     def test_the_build_of_the_image_has_the_files_that_it_reads(self):
         kept = {line[1:] for line in (ROOT / ".dockerignore").read_text().splitlines() if line.startswith("!")}
