@@ -81,7 +81,7 @@ def debian(name, *options, change=()):
     if exists(name):
         return
     tar = STATE / "work" / "base.tar"
-    bootstrap(tar, *options)
+    bootstrap(tar, *options, release="bookworm")
     podman("import", "--quiet", *(f"--change={line}" for line in change), tar, name)
     tar.unlink()
 

@@ -43,13 +43,14 @@ function output(...command) {
 // Returns why kubectl is missing; false if it is there.
 export const kubectlMissing = () => output('kubectl', 'version', '--client') === '' && 'kubectl is not installed';
 
-// Returns a command that renders a folder, or why there is none. `replacements` need kustomize 5.
+// Returns a command that renders a folder, or why there is none. `replacements` need kustomize 5. Debian's kustomize, which
+// is of version 5, calls its version `(devel)`.
 export function findKustomize() {
   const versions = [
     [['kubectl', 'kustomize'], output('kubectl', 'version', '--client')],
     [['kustomize', 'build'], output('kustomize', 'version')],
   ];
-  const [command] = versions.find(([, told]) => /^(Kustomize Version: )?v([5-9]|\d{2,})\./m.test(told)) ?? [];
+  const [command] = versions.find(([, told]) => /^(Kustomize Version: )?(v([5-9]|\d{2,})\.|\(devel\)$)/m.test(told)) ?? [];
   return command ? { command } : { missing: 'neither kubectl nor kustomize is installed with kustomize 5' };
 }
 

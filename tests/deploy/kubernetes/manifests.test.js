@@ -1,12 +1,13 @@
 // The manifests of deploy/kubernetes have the API's types, are consistent, and configure latvoxd correctly. These tests
 // read them as written; kustomize.test.js reads them as rendered. Needs LATVOX_BIN.
 import assert from 'node:assert/strict';
-import { readFileSync, writeFileSync } from 'node:fs';
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
 import path from 'node:path';
 import { test } from 'node:test';
 import { readOptions } from '../../../deploy/gateway/options.js';
 import { check, SECRETS, settings, withFiles } from './check.js';
-import { lone, OVERLAYS, ROOT, written } from './documents.js';
+import { findKustomize, lone, OVERLAYS, ROOT, written } from './documents.js';
 import { brokenReferences, needlessRights } from './references.js';
 import { typeErrors } from './types.js';
 
@@ -160,5 +161,26 @@ test('needless rights are found', () => {
     (pod) => { delete pod.containers[0].resources.limits.memory; },
   ]) {
     assert.equal(needlessRights(changed('batch', 'Job', (job) => change(podOf(job)))).length, 1, String(change));
+  }
+});
+
+test('kustomize 5 is found by what it tells, Debian\'s too', () => {
+  const folder = mkdtempSync(path.join(tmpdir(), 'latvox-kustomize-')), before = process.env.PATH;
+  try {
+    process.env.PATH = folder;
+    for (const [program, told, command] of [
+      ['kustomize', 'v5.6.0', ['kustomize', 'build']],
+      ['kustomize', '(devel)', ['kustomize', 'build']],
+      ['kustomize', 'v4.5.7'],
+      ['kubectl', 'Client Version: v1.32.3\nKustomize Version: v5.5.0', ['kubectl', 'kustomize']],
+      ['kubectl', 'Client Version: v5.0.0\nKustomize Version: v4.5.7'],
+    ]) {
+      writeFileSync(path.join(folder, program), `#!/bin/sh\necho '${told}'\n`, { mode: 0o755 });
+      assert.deepEqual(findKustomize().command, command, told);
+      rmSync(path.join(folder, program));
+    }
+  } finally {
+    process.env.PATH = before;
+    rmSync(folder, { recursive: true });
   }
 });
