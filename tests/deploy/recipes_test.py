@@ -1,5 +1,5 @@
 """The recipes of deploy/packaging for vcpkg, conda and Homebrew: syntax, version, options of CMake, and dependencies. None
-of these package managers runs here."""
+of these package managers runs here. And the version and the commit of images."""
 
 import json
 import pathlib
@@ -138,6 +138,25 @@ class Recipes(unittest.TestCase):
         self.assertEqual(left_out, set(re.findall(r"-D\w+=OFF", " ".join(recipe["build"]["script"]))))
         alone = re.search(r"^ALONE = .*", (ROOT / "tests/e2e/sdk_alone_test.py").read_text(), re.M)[0]
         self.assertEqual(left_out, {f"-D{name}=OFF" for name in re.findall(r'"(\w{5,})"', alone)}, "what a test builds")
+
+
+class Images(unittest.TestCase):
+    FILES = [*ROOT.glob("deploy/*.md"), *ROOT.glob("deploy/docs/*.md"), ROOT / "deploy/Dockerfile"]
+
+    def test_the_version_is_that_of_the_programs(self):
+        self.assertEqual(re.findall(r"^ARG VERSION=(.*)", (ROOT / "deploy/Dockerfile").read_text(), re.M), [VERSION])
+
+    def test_each_command_names_the_commit(self):
+        text = "\n".join(path.read_text().replace("\\\n", "") for path in self.FILES)
+        builds = re.findall(r"docker build --file deploy/Dockerfile [^`\n]*", text)
+        self.assertGreaterEqual(len(builds), 3)
+        self.assertEqual([line for line in builds if "--build-arg REVISION=$(git rev-parse HEAD)" not in line], [])
+        composed = re.findall(r"([^`\n]*)docker compose [^`\n]* --build", text)
+        self.assertGreaterEqual(len(composed), 3)
+        self.assertEqual(set(composed), {"LATVOX_COMMIT=$(git rev-parse HEAD) "})
+        build = yaml.safe_load((ROOT / "deploy/compose.yaml").read_text())["services"]["latvoxd-1"]["build"]
+        self.assertEqual(build["args"], {"REVISION": "${LATVOX_COMMIT:-unknown}"})
+        self.assertIn("| `LATVOX_COMMIT` |", (ROOT / "deploy/docs/compose.md").read_text())
 
 
 if __name__ == "__main__":
