@@ -2,6 +2,7 @@
 
     bootstrap(tar, *options)   makes an archive of a fresh Debian, of RELEASE or another one
     archive(tar, *options)     the same, unless it is there already and not old
+                               Both skip the test if the packages are out of reach, or raise Unreachable with skips=False.
     Root(directory, archive)   unpacks it; runs commands in it; starts and stops systemd in it
     require_systemd(archive)   skips the test where that does not start
 """
@@ -51,7 +52,11 @@ def run(*command, check=True, timeout=120, **options):
     return done
 
 
-def bootstrap(tar, *options, release=RELEASE):
+class Unreachable(Exception):
+    pass
+
+
+def bootstrap(tar, *options, release=RELEASE, skips=True):
     """Makes an archive of a fresh Debian from this machine's package sources. `options` are mmdebstrap's."""
     work = STATE / "work"
     work.mkdir(parents=True, exist_ok=True)
@@ -62,7 +67,10 @@ def bootstrap(tar, *options, release=RELEASE):
         unfinished.rename(tar)
     else:
         unfinished.unlink(missing_ok=True)
-        skip(f"mmdebstrap cannot fetch Debian's packages here: {done.stderr.strip()[-500:]}")
+        reason = f"mmdebstrap cannot fetch packages of {release} here: {done.stderr.strip()[-500:]}"
+        if skips:
+            skip(reason)
+        raise Unreachable(reason)
 
 
 def is_recent(path):
@@ -70,11 +78,11 @@ def is_recent(path):
     return path.exists() and time.time() - path.stat().st_mtime < DAYS * 86400
 
 
-def archive(tar, *options, release=RELEASE):
+def archive(tar, *options, release=RELEASE, skips=True):
     """Returns the archive. Makes it unless an equal call made it in the last DAYS."""
     made, wanted = tar.with_suffix(".made"), "\n".join([release, *options])
     if not (tar.exists() and is_recent(made) and made.read_text() == wanted):
-        bootstrap(tar, *options, release=release)
+        bootstrap(tar, *options, release=release, skips=skips)
         made.write_text(wanted)
     return tar
 
