@@ -1,11 +1,24 @@
 #include "core/base/simd.h"
 
+#include <hwy/highway_export.h>
 #include <hwy/targets.h>
 
 #include <atomic>
+#include <cstdint>
 #include <string>
 
 #include "absl/strings/str_cat.h"
+
+// While it is loaded, Highway's library calls this function for its own benchmarks, which are not ours. There it
+// measures the clock, which takes milliseconds, by an instruction that some virtual machines hide: valgrind then ends
+// the program. The dynamic linker lets this definition replace the library's. Newer libraries ask only when a benchmark
+// runs. Weak: a static library may define it, too.
+namespace hwy::platform {
+
+HWY_DLLEXPORT uint64_t TimerResolution();
+[[gnu::weak]] uint64_t TimerResolution() { return 1; }
+
+}  // namespace hwy::platform
 
 namespace latvox {
 namespace {
