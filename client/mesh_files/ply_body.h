@@ -3,6 +3,7 @@
 #define LATVOX_CLIENT_MESH_FILES_PLY_BODY_H_
 
 #include <algorithm>
+#include <bit>
 #include <cstdint>
 #include <cstring>
 #include <string>
@@ -54,6 +55,14 @@ class PlyBody {
     BeginElement();
     return is_text() ? !ended_ : !absl::StripAsciiWhitespace(rest_).empty();
   }
+
+  // Returns the bytes that are left if numbers lie in them as in memory, otherwise none.
+  absl::string_view little_endian() const {
+    return format_ == PlyFormat::kLittleEndian && std::endian::native == std::endian::little ? rest_ : "";
+  }
+
+  // Leaves out bytes of binary data.
+  void Skip(size_t bytes) { rest_.remove_prefix(bytes); }
 
   bool is_text() const { return format_ == PlyFormat::kAscii; }
 

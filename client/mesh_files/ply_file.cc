@@ -10,6 +10,7 @@
 #include "client/mesh_files/bad.h"
 #include "client/mesh_files/bad_elements.h"
 #include "client/mesh_files/indexed_faces.h"
+#include "client/mesh_files/ply_arrays.h"
 #include "client/mesh_files/ply_body.h"
 #include "client/mesh_files/ply_color.h"
 #include "client/mesh_files/ply_header.h"
@@ -41,7 +42,7 @@ absl::Status ReadVertices(const PlyElement& element, PlyBody& body, Mesh& mesh) 
   PlyColors colors(element);
   std::vector<std::optional<size_t>> axes;  // of each property
   for (const PlyProperty& property : element.properties) axes.push_back(PositionOf(property, kAxes));
-  for (uint64_t n = 0; n < element.count; ++n) {
+  for (uint64_t n = colors.exist() ? 0 : ReadVertexArray(element, body, mesh); n < element.count; ++n) {
     body.BeginElement();
     Vec3d position{};
     for (size_t p = 0; p < axes.size(); ++p) {
@@ -97,7 +98,10 @@ absl::Status ReadPlyFaces(const PlyElement& element, PlyBody& body, BadElements&
   PlyColors colors(element);
   std::vector<double> indices;
   if (colors.exist()) face_colors.of_triangles.resize(mesh.triangles.size());
+  const bool is_array = IsTriangleArray(element) && std::ranges::all_of(mesh.positions, IsFinite);
   for (uint64_t n = 0; n < element.count; ++n) {
+    if (is_array) n += ReadTriangleArray(element, element.count - n, body, mesh);
+    if (n == element.count) break;
     body.BeginElement();
     for (size_t p = 0; p < are_corners.size(); ++p) {
       const PlyProperty& property = element.properties[p];

@@ -2,6 +2,7 @@
 
     Run(command)                    runs a command to its end
     dragon()                        returns the path of the dragon's mesh
+    binary_ply(source)              returns the path of the same PLY, in binary
     Bench(programs).ask(words)      measures by a process that stays
     write_plainly(source, target)   writes the bytes of a file again
 """
@@ -9,6 +10,7 @@
 import json
 import os
 import pathlib
+import struct
 import subprocess
 import sys
 import time
@@ -39,6 +41,31 @@ def dragon():
     folder.mkdir(parents=True, exist_ok=True)
     fetched = subprocess.run([HERE / "fetch-dragon", folder], stdout=sys.stderr, check=False)
     return folder / "dragon.ply" if fetched.returncode == 0 else None
+
+
+def binary_ply(source):
+    """Writes a text PLY of triangles, once, as scanners write it: little-endian, with three floats for each vertex."""
+    target = source.with_suffix(".binary.ply")
+    if target.exists():
+        return target
+    unfinished = target.with_suffix(".part")
+    with open(source, encoding="ascii") as text, open(unfinished, "wb") as file:
+        counts = {}
+        for words in map(str.split, text):
+            if words[0] == "end_header":
+                break
+            if words[0] == "element":
+                counts[words[1]] = int(words[2])
+        head = ["ply", "format binary_little_endian 1.0", f"element vertex {counts['vertex']}"]
+        head += [f"property float {axis}" for axis in "xyz"]
+        head += [f"element face {counts['face']}", "property list uchar int vertex_indices", "end_header", ""]
+        file.write("\n".join(head).encode())
+        for _ in range(counts["vertex"]):
+            file.write(struct.pack("<3f", *map(float, next(text).split()[:3])))
+        for _ in range(counts["face"]):
+            file.write(struct.pack("<B3i", *map(int, next(text).split()[:4])))
+    unfinished.rename(target)
+    return target
 
 
 class Bench:

@@ -3,6 +3,8 @@ if(LATVOX_BUILD_MESH)
   find_package(draco CONFIG REQUIRED)
 endif()
 latvox_add_test(client_mesh_test SOURCES unit/client/mesh_files/mesh_test.cc LIBRARIES latvox::mesh_files GTest::gmock)
+latvox_add_test(client_ply_arrays_test SOURCES unit/client/mesh_files/ply_arrays_test.cc
+                LIBRARIES latvox::mesh_files GTest::gmock)
 latvox_add_test(client_tolerance_test SOURCES unit/client/mesh_files/tolerance_test.cc
                 LIBRARIES latvox::mesh_files GTest::gmock)
 latvox_add_test(client_read_mesh_file_test SOURCES unit/client/mesh_files/read_mesh_file_test.cc
