@@ -159,10 +159,9 @@ class Renderer {
   }
 
   void MakeFronts() {
-    tbb::parallel_for(size_t{0}, fronts_.size(), [&](size_t n) {
-      if (cancellation_.cancelled()) return;
-      fronts_[n].emplace(scene_, n == 0 ? towards_ : ToScene(lights_[n - 1]), n == 0 ? 1 : 2);
-    });
+    std::vector<VoxelFront::View> views = {{towards_, 1}};
+    for (const Vec3f& light : lights_) views.push_back({ToScene(light), 2});
+    fronts_ = VoxelFront::Of(scene_, views, cancellation_);
   }
 
   void CastTile(const Tile& tile) {
@@ -174,7 +173,7 @@ class Renderer {
 
   void CastSample(int x, int y, VoxelScene::Beam& beam) {
     const Vec3d eye = SceneAt(static_cast<float>(x), static_cast<float>(y), 0);
-    const double front = fronts_.front()->Reach(eye);
+    const double front = fronts_.front().Reach(eye);
     if (!std::isfinite(front)) return;
     const Vec3d from = Sum(eye, front, towards_);
     const auto hit = beam.Cast(from);
@@ -220,7 +219,7 @@ class Renderer {
     const Vec3d surface = SceneAt(static_cast<float>(x), static_cast<float>(y), depth_[At(x, y)]);
     const Vec3d above = Sum(surface, raise, ToScene(normal));
     const size_t phase = PhaseOf(x, y);
-    const double reach = fronts_[1 + phase]->Reach(above);
+    const double reach = fronts_[1 + phase].Reach(above);
     return reach <= 0 || !beams[phase]->Cast(above, reach).has_value();
   }
 
@@ -281,7 +280,7 @@ class Renderer {
   std::vector<Vec3f> normals_;         // of the cell's facets, view frame
   std::vector<float> depth_, smooth_;  // from the eye toward the viewer; kNoDepth without a cell; rows from the top
   std::array<Vec3f, kSamples * kSamples> lights_;  // toward the light, for each sample of a pixel
-  std::array<std::optional<VoxelFront>, 1 + kSamples * kSamples> fronts_;  // toward the viewer, then toward each light
+  std::vector<VoxelFront> fronts_;                 // toward the viewer, then toward each light
   std::vector<uint8_t> facet_, edge_;
   std::vector<uint32_t> colors_;  // of the samples; empty: all are color_
 };

@@ -1,5 +1,7 @@
 #include "client/tool/output/voxel_front.h"
 
+#include <oneapi/tbb/parallel_for.h>
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -15,23 +17,52 @@ constexpr double kFar = std::numeric_limits<double>::max();
 
 }  // namespace
 
-VoxelFront::VoxelFront(const VoxelScene& scene, const Vec3d& towards, double square)
-    : square_(square), towards_(towards) {
-  u_ = Unit(Cross(std::abs(towards[1]) < 0.9 ? Vec3d{0, 1, 0} : Vec3d{1, 0, 0}, towards));
-  v_ = Cross(towards, u_);
-  // A cell lies within a ball around its center.
-  double radius = 0;
-  for (const Vec3d& corner : scene.cell_corners()) radius = std::max(radius, Length(corner));
-  const double across = radius / square_;
+// Shells are found once for all views, a few bricks at a time: those of a solid would take as much memory as the scene.
+std::vector<VoxelFront> VoxelFront::Of(const VoxelScene& scene, std::span<const View> views,
+                                       const Cancellation& cancellation) {
+  constexpr size_t kBatch = 4096;
+  std::vector<VoxelFront> fronts;
+  for (const View& view : views) fronts.push_back(VoxelFront(view));
+  const auto for_each_front = [&](const auto& work) { tbb::parallel_for(size_t{0}, fronts.size(), work); };
+  for_each_front([&](size_t n) { fronts[n].Place(scene); });
+  std::vector<Brick> shells;
+  const auto add = [&] {
+    tbb::parallel_for(size_t{0}, shells.size(), [&](size_t n) { shells[n] = scene.ShellOf(shells[n]); });
+    for_each_front([&](size_t n) { fronts[n].Add(scene, shells); });
+    shells.clear();
+  };
+  scene.ForEachOuterBrick([&](const Brick& brick) {
+    if (cancellation.cancelled()) return;
+    shells.push_back(brick);
+    if (shells.size() == kBatch) add();
+  });
+  add();
+  for_each_front([&](size_t n) { fronts[n].Widen(); });
+  return fronts;
+}
+
+VoxelFront::VoxelFront(const View& view) : square_(view.square), towards_(view.towards) {
+  u_ = Unit(Cross(std::abs(towards_[1]) < 0.9 ? Vec3d{0, 1, 0} : Vec3d{1, 0, 0}, towards_));
+  v_ = Cross(towards_, u_);
+}
+
+// Takes the box around the centers of each brick.
+void VoxelFront::Place(const VoxelScene& scene) {
+  for (const Vec3d& corner : scene.cell_corners()) radius_ = std::max(radius_, Length(corner));
+  Vec3d half{};
+  for (const Vec3i& axis : {Vec3i{1, 0, 0}, Vec3i{0, 1, 0}, Vec3i{0, 0, 1}}) {
+    const Vec3d step = Project(scene.CenterOf(axis));
+    for (size_t m = 0; m < 2; ++m) half[m] += 3.5 * std::abs(step[m]);
+  }
   Vec2d low = {kFar, kFar}, high = {-kFar, -kFar};
-  scene.ForEachBrick([&](const Brick& brick) {
-    for (int corner = 0; corner < 8; ++corner) {  // between which all cells of the brick lie
-      const auto place = [&](int m) { return brick.brick_ijk[static_cast<size_t>(m)] * 8 + (corner >> m & 1) * 7; };
-      const Vec3d at = Project(scene.CenterOf({place(0), place(1), place(2)}));
-      for (size_t m = 0; m < 2; ++m) {
-        low[m] = std::min(low[m], at[m] - across - kSlack);
-        high[m] = std::max(high[m], at[m] + across + kSlack);
-      }
+  scene.ForEachOuterBrick([&](const Brick& brick) {
+    const auto& [i, j, k] = brick.brick_ijk;
+    const Vec3d first = Project(scene.CenterOf({8 * i, 8 * j, 8 * k}));
+    const Vec3d last = Project(scene.CenterOf({8 * i + 7, 8 * j + 7, 8 * k + 7}));
+    for (size_t m = 0; m < 2; ++m) {
+      const double middle = (first[m] + last[m]) / 2, room = half[m] + radius_ / square_ + kSlack;
+      low[m] = std::min(low[m], middle - room);
+      high[m] = std::max(high[m], middle + room);
     }
   });
   for (size_t m = 0; m < 2 && !scene.empty(); ++m) {
@@ -39,36 +70,44 @@ VoxelFront::VoxelFront(const VoxelScene& scene, const Vec3d& towards, double squ
     size_[m] = static_cast<int>(std::floor(high[m]) + 1 - low_[m]);
   }
   front_.assign(static_cast<size_t>(size_[0]) * static_cast<size_t>(size_[1]), kNothing);
-  AddCells(scene, radius);
 }
 
 // A projection is linear, so those of all cells of a brick are at the same places beside that of its first cell.
-void VoxelFront::AddCells(const VoxelScene& scene, double radius) {
-  const double across = radius / square_;
+void VoxelFront::Add(const VoxelScene& scene, std::span<const Brick> shells) {
   std::array<Vec3d, 512> places;
   for (int32_t n = 0; n < 512; ++n) {
     places[static_cast<size_t>(n)] = Project(scene.CenterOf({n >> 6, n >> 3 & 7, n & 7}));
   }
-  scene.ForEachOuterBrick([&](const Brick& brick) {
-    const auto& [i, j, k] = brick.brick_ijk;
+  for (const Brick& shell : shells) {
+    const auto& [i, j, k] = shell.brick_ijk;
     const Vec3d first = Project(scene.CenterOf({8 * i, 8 * j, 8 * k}));
-    const double x = first[0] - low_[0], y = first[1] - low_[1], z = first[2] + radius + kSlack;
-    for (size_t word = 0; word < brick.mask.size(); ++word) {
-      for (uint64_t bits = brick.mask[word]; bits != 0; bits &= bits - 1) {
+    const double x = first[0] - low_[0], y = first[1] - low_[1], z = first[2] + radius_ + kSlack;
+    for (size_t word = 0; word < shell.mask.size(); ++word) {
+      for (uint64_t bits = shell.mask[word]; bits != 0; bits &= bits - 1) {
         const Vec3d& place = places[word * 64 + static_cast<size_t>(std::countr_zero(bits))];
-        const double at_x = x + place[0], at_y = y + place[1];
-        const int left = static_cast<int>(at_x - across), right = static_cast<int>(at_x + across);
-        const int top = static_cast<int>(at_y - across), bottom = static_cast<int>(at_y + across);
-        const auto height = static_cast<float>(z + place[2]);
-        for (int row = top; row <= bottom; ++row) {
-          for (int column = left; column <= right; ++column) {
-            float& front = front_[Square(column, row)];
-            front = std::max(front, height);
-          }
-        }
+        float& front = front_[Square(static_cast<int>(x + place[0]), static_cast<int>(y + place[1]))];
+        front = std::max(front, static_cast<float>(z + place[2]));
       }
     }
-  });
+  }
+}
+
+// Takes the highest center within reach of a cell for each square. That is one look at each square, in place of a look
+// at several squares for each cell.
+void VoxelFront::Widen() {
+  const auto wide = static_cast<size_t>(size_[0]), rows = static_cast<size_t>(size_[1]);
+  std::vector<float> before, here, line(wide + 2, kNothing);
+  for (double reach = radius_ / square_; reach > 0; --reach) {
+    before.assign(wide, kNothing);
+    for (size_t y = 0; y < rows; ++y) {
+      float* const row = &front_[y * wide];
+      here.assign(row, row + wide);
+      const float* const next = y + 1 < rows ? row + wide : here.data();
+      for (size_t x = 0; x < wide; ++x) line[x + 1] = std::max(std::max(before[x], here[x]), next[x]);
+      for (size_t x = 0; x < wide; ++x) row[x] = std::max(std::max(line[x], line[x + 1]), line[x + 2]);
+      before.swap(here);
+    }
+  }
 }
 
 }  // namespace latvox::client

@@ -4,10 +4,12 @@
 
 #include <array>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "client/internal/vec3.h"
 #include "client/tool/output/voxel_scene.h"
+#include "latvox/cancellation.h"
 #include "latvox/types.h"
 
 namespace latvox::client {
@@ -16,8 +18,15 @@ namespace latvox::client {
 // that direction can skip empty space. Everything is in the frame of the scene.
 class VoxelFront {
  public:
-  // `towards` has unit length. The bound holds for squares of this edge: larger ones are found sooner, and tell less.
-  VoxelFront(const VoxelScene& scene, const Vec3d& towards, double square = 2);
+  // The scene from one direction.
+  struct View {
+    Vec3d towards;      // unit length
+    double square = 2;  // the bound holds for squares of this edge: larger ones are found sooner, and tell less
+  };
+
+  // Returns the fronts of the views, or parts of them if the call is cancelled. Precondition: scene.Seal().
+  static std::vector<VoxelFront> Of(const VoxelScene& scene, std::span<const View> views,
+                                    const Cancellation& cancellation = {});
 
   // Returns a bound t: no cell meets point + s * towards for s > t. Minus infinity: no cell on the whole line.
   double Reach(const Vec3d& point) const {
@@ -33,7 +42,10 @@ class VoxelFront {
     return {Dot(point, u_) / square_, Dot(point, v_) / square_, Dot(point, towards_)};
   }
 
-  void AddCells(const VoxelScene& scene, double radius);  // of a cell
+  explicit VoxelFront(const View& view);
+  void Place(const VoxelScene& scene);
+  void Add(const VoxelScene& scene, std::span<const Brick> shells);
+  void Widen();
 
   size_t Square(int x, int y) const {  // index in front_
     return static_cast<size_t>(y) * static_cast<size_t>(size_[0]) + static_cast<size_t>(x);
@@ -41,11 +53,12 @@ class VoxelFront {
 
   static constexpr float kNothing = -std::numeric_limits<float>::infinity();
 
-  const double square_;  // edge
+  double square_;  // edge
   Vec3d u_, v_, towards_;
+  double radius_ = 0;            // of a ball around a cell
   std::array<double, 2> low_{};  // of the squares; a whole number
   std::array<int, 2> size_{};    // squares
-  std::vector<float> front_;     // of each square
+  std::vector<float> front_;     // of each square; before Widen, of the centers in it
 };
 
 }  // namespace latvox::client

@@ -12,6 +12,34 @@ namespace latvox::client {
 namespace {
 
 constexpr int kFarthest = 8;  // bricks
+constexpr size_t kSide = 24;  // bricks of a tile and its neighbors
+using Rows = std::array<std::array<uint32_t, kSide>, kSide>;
+
+// Adds all bricks that touch one of these.
+void Grow(Rows& rows) {
+  for (auto& plane : rows) {
+    for (uint32_t& row : plane) row |= row << 1 | row >> 1;
+    uint32_t before = 0;
+    for (size_t y = 0; y < kSide; ++y) {
+      const uint32_t here = plane[y];
+      plane[y] |= before | (y + 1 < kSide ? plane[y + 1] : 0);
+      before = here;
+    }
+  }
+  const Rows old = rows;
+  for (size_t x = 0; x < kSide; ++x) {
+    for (size_t y = 0; y < kSide; ++y) rows[x][y] |= (x > 0 ? old[x - 1][y] : 0) | (x + 1 < kSide ? old[x + 1][y] : 0);
+  }
+}
+
+// Returns the bricks of the tile in the middle.
+decltype(Brick::mask) Middle(const Rows& rows) {
+  decltype(Brick::mask) tile{};
+  for (size_t n = 0; n < 64; ++n) {
+    tile[n / 8] |= uint64_t{rows[8 + n / 8][8 + n % 8] >> 8 & 0xFF} << (8 * (n % 8));
+  }
+  return tile;
+}
 
 // Calls visit(n) for each cell of a mask, 0 <= n < 512.
 template <class Visit>
@@ -37,12 +65,18 @@ VoxelScene::VoxelScene(const GridTransform& grid, int shift) : shift_(shift) {
   basis_ = {Sum({}, scale, grid.basis.a), Sum({}, scale, grid.basis.b), Sum({}, scale, grid.basis.c)};
   dual_ = Dual(basis_);
   VoronoiCell cell = VoronoiCellOf(basis_);
+  bool are_short = true;
   for (const CellFace& face : cell.faces) {
     const Vec3i& w = face.neighbor;
     const Vec3d to = Combine(basis_, {double(w[0]), double(w[1]), double(w[2])});
     const Vec3d n = Unit(to);
     facets_.push_back({w, n, Length(to) / 2, {Dot(basis_.a, n), Dot(basis_.b, n), Dot(basis_.c, n)}});
     if (w > Vec3i{}) sides_.push_back(facets_.back());
+    are_short = are_short && std::ranges::all_of(w, [](int32_t along) { return std::abs(along) < 8; });
+  }
+  if (are_short) {
+    steps_.emplace();
+    for (const Facet& facet : facets_) steps_->emplace_back(facet.step);
   }
   for (const Vec3d& corner : cell.corners) {
     const Vec3d lattice = {Dot(dual_.a, corner), Dot(dual_.b, corner), Dot(dual_.c, corner)};
@@ -95,9 +129,9 @@ size_t VoxelScene::Touch(const Vec3i& brick_ijk) {
     low_[m] = masks_.empty() ? brick_ijk[m] * 8 : std::min(low_[m], brick_ijk[m] * 8);
     high_[m] = masks_.empty() ? brick_ijk[m] * 8 + 8 : std::max(high_[m], brick_ijk[m] * 8 + 8);
   }
-  const auto [tile, fresh] = tile_numbers_.try_emplace(ShiftRight(brick_ijk, 3), static_cast<int32_t>(tiles_.size()));
+  const auto [tile, fresh] = tile_numbers_.try_emplace(ShiftRight(brick_ijk, 3), tiles_.size());
   if (fresh) tiles_.emplace_back().fill(-1);
-  int32_t& number = tiles_[static_cast<size_t>(tile->second)][BrickInTile(brick_ijk)];
+  int32_t& number = tiles_[tile->second][BrickInTile(brick_ijk)];
   if (number < 0) {
     number = static_cast<int32_t>(masks_.size());
     masks_.push_back({});
@@ -105,49 +139,62 @@ size_t VoxelScene::Touch(const Vec3i& brick_ijk) {
   return static_cast<size_t>(number);
 }
 
-// Grows the occupied bricks by one brick in all directions, again and again. The bricks of a tile and its neighbors are
-// 24 rows of 24 rows of 24 bits.
+VoxelScene::Mask VoxelScene::Occupied(const Tile& tile) {
+  Mask occupied{};
+  for (size_t n = 0; n < tile.size(); ++n) occupied[n / 64] |= uint64_t{tile[n] >= 0} << n % 64;
+  return occupied;
+}
+
+VoxelScene::Mask VoxelScene::Full(const Tile& tile) const {
+  Mask full{};
+  for (size_t n = 0; n < tile.size(); ++n) {
+    if (tile[n] < 0) continue;
+    uint64_t all = ~uint64_t{0};
+    for (const uint64_t word : masks_[static_cast<size_t>(tile[n])]) all &= word;
+    full[n / 64] |= uint64_t{all == ~uint64_t{0}} << n % 64;
+  }
+  return full;
+}
+
+// Grows the occupied bricks by one brick in all directions, again and again, and once those that are not full.
 void VoxelScene::Seal() {
-  constexpr int kSide = 24;
-  using Rows = std::array<std::array<uint32_t, kSide>, kSide>;
-  const auto grow = [](Rows& rows) {
-    for (auto& plane : rows) {
-      for (uint32_t& row : plane) row |= row << 1 | row >> 1;
-      for (uint32_t y = 0, before = 0; y < kSide; ++y) {
-        const uint32_t here = plane[y];
-        plane[y] |= before | (y + 1 < kSide ? plane[y + 1] : 0);
-        before = here;
+  std::vector<Mask> occupied, full;
+  for (const Tile& tile : tiles_) {
+    occupied.push_back(Occupied(tile));
+    full.push_back(Full(tile));
+  }
+  const auto around = [this](const Vec3i& tile_ijk, const std::vector<Mask>& bricks) {
+    Rows rows{};
+    for (size_t n = 0; n < 27; ++n) {
+      const size_t x = n / 9, y = n / 3 % 3, z = n % 3;
+      const auto step = [](size_t place) { return static_cast<int32_t>(place) - 1; };
+      const auto found = tile_numbers_.find(Plus(tile_ijk, {step(x), step(y), step(z)}));
+      if (found == tile_numbers_.end()) continue;
+      for (size_t row = 0; row < 64; ++row) {
+        const uint64_t bits = bricks[found->second][row / 8] >> (8 * (row % 8)) & 0xFF;
+        rows[8 * x + row / 8][8 * y + row % 8] |= static_cast<uint32_t>(bits << (8 * z));
       }
     }
-    const Rows old = rows;
-    for (size_t x = 0; x < kSide; ++x) {
-      for (size_t y = 0; y < kSide; ++y)
-        rows[x][y] |= (x > 0 ? old[x - 1][y] : 0) | (x + 1 < kSide ? old[x + 1][y] : 0);
-    }
+    return rows;
   };
-  const auto add = [this](const Vec3i& tile_ijk, const Vec3i& place, Rows& rows) {
-    const auto found = tile_numbers_.find(tile_ijk);
-    if (found == tile_numbers_.end()) return;
-    const Tile& tile = tiles_[static_cast<size_t>(found->second)];
-    for (int n = 0; n < kBricks; ++n) {
-      if (tile[static_cast<size_t>(n)] < 0) continue;
-      rows[static_cast<size_t>(place[0] + (n >> 6))][static_cast<size_t>(place[1] + (n >> 3 & 7))] |=
-          uint32_t{1} << (place[2] + (n & 7));
-    }
-  };
+  outer_ = occupied;
   for (const auto& [tile_ijk, number] : tile_numbers_) {
-    Rows rows{};
-    for (int n = 0; n < 27; ++n) {
-      const Vec3i place = {n / 9, n / 3 % 3, n % 3};
-      add(Plus(tile_ijk, {place[0] - 1, place[1] - 1, place[2] - 1}), {8 * place[0], 8 * place[1], 8 * place[2]}, rows);
+    if (full[number] != Mask{}) {  // never on a surface
+      Rows rows = around(tile_ijk, full);
+      for (auto& plane : rows) {
+        for (uint32_t& row : plane) row = ~row;
+      }
+      Grow(rows);
+      const Mask near = Middle(rows);
+      for (size_t x = 0; x < near.size(); ++x) outer_[number][x] &= near[x];
     }
-    Tile& tile = tiles_[static_cast<size_t>(number)];
+    Rows rows = around(tile_ijk, occupied);
+    Tile& tile = tiles_[number];
     for (int far = 2; far <= kFarthest; ++far) {
-      grow(rows);
-      for (int n = 0; n < kBricks; ++n) {
-        const bool near =
-            rows[static_cast<size_t>(8 + (n >> 6))][static_cast<size_t>(8 + (n >> 3 & 7))] >> (8 + (n & 7)) & 1;
-        if (!near && tile[static_cast<size_t>(n)] < 0) tile[static_cast<size_t>(n)] = -far;
+      Grow(rows);
+      const Mask near = Middle(rows);
+      for (size_t n = 0; n < tile.size(); ++n) {
+        if ((near[n / 64] >> n % 64 & 1) == 0 && tile[n] < 0) tile[n] = -far;
       }
     }
   }
@@ -155,21 +202,39 @@ void VoxelScene::Seal() {
 
 int32_t VoxelScene::NumberOf(const Vec3i& brick_ijk) const {
   const auto tile = tile_numbers_.find(ShiftRight(brick_ijk, 3));
-  return tile == tile_numbers_.end() ? -1 : tiles_[static_cast<size_t>(tile->second)][BrickInTile(brick_ijk)];
+  return tile == tile_numbers_.end() ? -1 : tiles_[tile->second][BrickInTile(brick_ijk)];
 }
 
-bool VoxelScene::IsDeep(const Vec3i& brick_ijk) const {
-  Mask full;
-  full.fill(~uint64_t{0});
-  const auto is_full = [&](const Vec3i& step) {
-    const int32_t number = NumberOf(Plus(brick_ijk, step));
-    return number >= 0 && masks_[static_cast<size_t>(number)] == full;
+// Takes all cells around the brick for given first. Few bricks of a surface need more.
+Brick VoxelScene::ShellOf(const Brick& brick) const {
+  if (!steps_) return brick;
+  static constexpr Mask kNone{};
+  static const Mask kAll = [] {
+    Mask all;
+    all.fill(~uint64_t{0});
+    return all;
+  }();
+  const auto inside = [&](const auto& mask_at) {
+    Mask cells = brick.mask;
+    for (auto step = steps_->begin(); step != steps_->end() && cells != kNone; ++step) {
+      const Mask behind = step->From(mask_at);
+      for (size_t x = 0; x < cells.size(); ++x) cells[x] &= behind[x];
+    }
+    return cells;
   };
-  if (!is_full({0, 0, 0})) return false;  // the common case on a surface
+  const auto is_own = [](const Vec3i& at) { return Same(at, {}); };
+  Mask cells = inside([&](const Vec3i& at) -> const Mask& { return is_own(at) ? brick.mask : kAll; });
+  if (cells == kNone) return brick;
+  std::array<const Mask*, 27> around;
   for (int n = 0; n < 27; ++n) {
-    if (!is_full({n / 9 - 1, n / 3 % 3 - 1, n % 3 - 1})) return false;
+    const int32_t number = NumberOf(Plus(brick.brick_ijk, {n / 9 - 1, n / 3 % 3 - 1, n % 3 - 1}));
+    around[static_cast<size_t>(n)] = number < 0 ? &kNone : &masks_[static_cast<size_t>(number)];
   }
-  return true;
+  cells = inside(
+      [&](const Vec3i& at) -> const Mask& { return *around[static_cast<size_t>(13 + 9 * at[0] + 3 * at[1] + at[2])]; });
+  Brick shell = brick;
+  for (size_t x = 0; x < cells.size(); ++x) shell.mask[x] &= ~cells[x];
+  return shell;
 }
 
 bool VoxelScene::Has(const Vec3i& cell) const {

@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "absl/container/flat_hash_map.h"
+#include "client/tool/output/cell_index.h"
+#include "client/tool/output/mask_step.h"
 #include "latvox/for_each_voxel.h"
 #include "latvox/types.h"
 
@@ -20,7 +22,7 @@ namespace latvox::client {
 //
 // With a shift, each block of 2^shift lattice points per axis that holds a voxel is one cell of a lattice that is
 // coarser by this factor. So details too small to see take no memory. Memory: 64 bytes for each 8^3 cells that are not
-// empty, 2 KiB for each 64^3. Colors take 4 bytes for each cell and 40 for each 8^3. Adding is not thread-safe;
+// empty, 2.2 KiB for each 64^3. Colors take 4 bytes for each cell and 40 for each 8^3. Adding is not thread-safe;
 // everything else is.
 class VoxelScene {
  public:
@@ -46,7 +48,8 @@ class VoxelScene {
   //            for all bricks. A cell of several voxels has the color of one of them, the same in any order of bricks.
   void Add(const Brick& brick, std::span<const uint32_t> colors = {});
 
-  // Call it after the last Add. Computes the distance of empty bricks from voxels, so that rays can skip empty space.
+  // Call it after the last Add. Computes the distance of empty bricks from voxels, so that rays can skip empty space,
+  // and which bricks are outer ones.
   void Seal();
 
   bool Has(const Vec3i& cell) const;
@@ -59,25 +62,21 @@ class VoxelScene {
   const std::vector<Vec3d>& cell_corners() const { return corners_; }  // relative to its center
 
   // Calls visit(brick) as ForEachBrick, except for bricks deep inside: full ones that full ones surround. Every line
-  // that meets a cell meets its first and last cell outside of these.
+  // that meets a cell meets its first and last cell outside of these. Precondition: Seal().
   template <class Visit>
   void ForEachOuterBrick(const Visit& visit) const {
-    ForEachBrick([&](const Brick& brick) {
-      if (!IsDeep(brick.brick_ijk)) visit(brick);
-    });
+    for (const auto& [tile_ijk, number] : tile_numbers_) VisitBricks(tile_ijk, number, outer_[number], visit);
   }
+
+  // Returns the cells of a brick that have a facet without a cell behind it. Every line that meets a cell meets its
+  // first and last point of all cells in one of these, because the cells around any point are connected through facets.
+  // If a facet's step is too long for MaskStep, returns all cells.
+  Brick ShellOf(const Brick& brick) const;
 
   // Calls visit(brick) for every 8 x 8 x 8 block with a cell. The voxels of the brick are cells.
   template <class Visit>
   void ForEachBrick(const Visit& visit) const {
-    for (const auto& [tile_ijk, number] : tile_numbers_) {
-      for (int n = 0; n < kBricks; ++n) {
-        const int32_t mask = tiles_[static_cast<size_t>(number)][static_cast<size_t>(n)];
-        if (mask < 0) continue;
-        const Vec3i brick_ijk = {tile_ijk[0] * 8 + (n >> 6), tile_ijk[1] * 8 + (n >> 3 & 7), tile_ijk[2] * 8 + (n & 7)};
-        visit(Brick{brick_ijk, masks_[static_cast<size_t>(mask)]});
-      }
-    }
+    for (const auto& [tile_ijk, number] : tile_numbers_) VisitBricks(tile_ijk, number, Occupied(tiles_[number]), visit);
   }
 
  private:
@@ -85,9 +84,19 @@ class VoxelScene {
   using Mask = decltype(Brick::mask);
   using Tile = std::array<int32_t, kBricks>;  // index in masks_; -d: empty, as are all bricks less than d away
 
+  // Calls visit(brick) for each of these bricks of a tile; none is empty.
+  template <class Visit>
+  void VisitBricks(const Vec3i& tile_ijk, size_t number, const Mask& bricks, const Visit& visit) const {
+    const Tile& tile = tiles_[number];
+    ForEachVoxel({tile_ijk, bricks}, [&](const Vec3i& brick_ijk) {
+      visit(Brick{brick_ijk, masks_[static_cast<size_t>(tile[BrickInTile(brick_ijk)])]});
+    });
+  }
+
+  static Mask Occupied(const Tile& tile);  // its bricks that are not empty
+  Mask Full(const Tile& tile) const;
   size_t Touch(const Vec3i& brick_ijk);            // returns its index in masks_
   int32_t NumberOf(const Vec3i& brick_ijk) const;  // index in masks_; below 0: empty
-  bool IsDeep(const Vec3i& brick_ijk) const;
   void Paint(const Brick& brick, std::span<const uint32_t> colors, const Vec3i& first, const Mask& before,
              size_t number);
 
@@ -100,9 +109,11 @@ class VoxelScene {
   std::vector<Facet> sides_;  // one of each two opposite facets
   Vec3d reach_{};             // extent of a cell from its point, in lattice coordinates
   std::optional<Vec3i> corner_;
-  Vec3i low_{}, high_{};  // cells; corners of the bricks, half-open
-  absl::flat_hash_map<Vec3i, int32_t> tile_numbers_;
+  Vec3i low_{}, high_{};                        // cells; corners of the bricks, half-open
+  std::optional<std::vector<MaskStep>> steps_;  // over each facet; absent: one is too long
+  absl::flat_hash_map<Vec3i, size_t> tile_numbers_;
   std::vector<Tile> tiles_;
+  std::vector<Mask> outer_;  // bricks of each tile
   std::vector<Mask> masks_;
   std::vector<std::vector<uint32_t>> colors_;  // of the cells of each mask, in order; the upper 8 bits are the rank
 };

@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <oneapi/tbb/global_control.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -193,6 +194,7 @@ std::vector<Brick> Solid() {
 TEST(VoxelScene, CellsThatAreNotDeepInsideAreOuter) {
   VoxelScene scene({kLattices[1], {}, 0}, 0);
   for (const Brick& brick : Solid()) scene.Add(brick);
+  scene.Seal();
   std::set<Vec3i> deep;
   ForEachCell(scene, [&](const Vec3i& cell) { deep.insert(cell); });
   EXPECT_EQ(deep.size(), 125 * 512 - 1U);
@@ -202,17 +204,59 @@ TEST(VoxelScene, CellsThatAreNotDeepInsideAreOuter) {
   EXPECT_EQ(deep.size(), (27 - 2) * 512U);
 }
 
+// Bricks next to each other: full ones, ones with holes, and thin ones.
+std::vector<Brick> Mixed(std::mt19937& chance) {
+  std::vector<Brick> out;
+  for (int32_t n = 0; n < 27; ++n) {
+    Brick& brick = out.emplace_back(Brick{{n / 9, n / 3 % 3, n % 3}, {}});
+    const unsigned kind = chance() % 4;
+    for (uint64_t& word : brick.mask) {
+      const auto random = [&chance] { return uint64_t{chance()} << 32 | chance(); };
+      const uint64_t holes = random() & random() & random() & random() & random();
+      word = kind == 0 ? holes : kind == 1 ? ~holes : ~uint64_t{0};
+    }
+  }
+  return out;
+}
+
+TEST(VoxelScene, CellsWithoutAFreeFacetAreNotInTheShell) {
+  std::mt19937 chance(23);
+  size_t shown = 0, hidden = 0;
+  for (const Basis& lattice : kLattices) {
+    VoxelScene scene({lattice, {}, 0}, 0);
+    for (const Brick& brick : Mixed(chance)) scene.Add(brick);
+    scene.ForEachBrick([&](const Brick& brick) {
+      const Brick shell = scene.ShellOf(brick);
+      EXPECT_EQ(shell.brick_ijk, brick.brick_ijk);
+      std::set<Vec3i> cells;
+      ForEachVoxel(shell, [&](const Vec3i& cell) { cells.insert(cell); });
+      ForEachVoxel(brick, [&](const Vec3i& cell) {
+        const bool free = std::ranges::any_of(scene.facets(), [&](const VoxelScene::Facet& facet) {
+          return !scene.Has({cell[0] + facet.step[0], cell[1] + facet.step[1], cell[2] + facet.step[2]});
+        });
+        ASSERT_EQ(cells.erase(cell), free ? 1U : 0U);
+        ++(free ? shown : hidden);
+      });
+      EXPECT_TRUE(cells.empty()) << "cells that the brick does not have";
+    });
+  }
+  EXPECT_GT(shown, 5000U);
+  EXPECT_GT(hidden, 5000U);
+}
+
 TEST(VoxelFront, NoVoxelIsBeyondIt) {
   std::mt19937 chance(11);
   std::normal_distribution<double> normal;
   size_t n = 0;
   for (const Basis& lattice : kLattices) {
     VoxelScene scene({lattice, {}, 0}, 0);
-    for (const Brick& brick : n++ % 2 == 0 ? Scattered(chance, 10) : Solid()) scene.Add(brick);
+    const size_t kind = n++ % 3;
+    for (const Brick& brick : kind == 0 ? Scattered(chance, 10) : kind == 1 ? Solid() : Mixed(chance)) scene.Add(brick);
     scene.Seal();
     const Vec3d towards = Unit({normal(chance), normal(chance), normal(chance)});
     for (const double square : {1, 2}) {
-      const VoxelFront front(scene, towards, square);
+      const VoxelFront::View view{towards, square};
+      const VoxelFront front = VoxelFront::Of(scene, {&view, 1}).front();
       double least = 1e9;
       ForEachCell(scene, [&](const Vec3i& cell) {
         for (const Vec3d& corner : scene.cell_corners()) {
