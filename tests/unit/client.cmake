@@ -33,6 +33,8 @@ latvox_add_test(client_output_test SOURCES unit/client/tool/output/output_test.c
 latvox_add_test(client_outputs_test SOURCES unit/client/tool/output/outputs_test.cc LIBRARIES latvox::tool GTest::gmock)
 latvox_add_test(client_image_test SOURCES unit/client/tool/output/image_test.cc
                 LIBRARIES latvox::tool ZLIB::ZLIB GTest::gmock)
+latvox_add_test(client_packed_blocks_test SOURCES unit/client/tool/output/packed_blocks_test.cc
+                LIBRARIES latvox::tool TBB::tbb ZLIB::ZLIB GTest::gmock)
 latvox_add_test(client_compare_test SOURCES unit/client/tool/cli/compare_test.cc LIBRARIES latvox::tool GTest::gmock)
 latvox_add_test(client_colors_test SOURCES unit/client/tool/output/colors_test.cc
                 LIBRARIES latvox::tool latvox::grid latvox::openvdb_trees GTest::gmock)

@@ -3,43 +3,44 @@
 #define LATVOX_CLIENT_TOOL_OUTPUT_DEFLATER_H_
 
 #include <cstdint>
-#include <memory>
 #include <string>
-#include <string_view>
+#include <vector>
 
 #include "absl/status/status.h"
+#include "absl/status/statusor.h"
 #include "client/tool/output/atomic_file.h"
+#include "client/tool/output/packed_blocks.h"
 
 namespace latvox::client {
 
-// Appends bytes to a file, compressed as fast as zlib can, because most of a dense array is empty. The same bytes make
-// the same file. Memory: 300 KB. Not thread-safe. Errors: those of AtomicFile::Append; RESOURCE_EXHAUSTED (memory).
-class Deflater {
+enum class Check { kCrc32, kAdler32 };
+
+// A deflate stream without header and checksum, in PackedBlocks. Not thread-safe.
+class DeflateStream {
  public:
-  enum class Form { kZlib, kGzip };
+  DeflateStream(NextChunk next, Check check);
 
-  // `file` outlives this.
-  Deflater(AtomicFile& file, Form form);
-  ~Deflater();
-  Deflater(const Deflater&) = delete;
-  Deflater& operator=(const Deflater&) = delete;
+  // Replaces the chunk by the next bytes of the stream; by nothing at the end. Errors: those of PackedBlocks.
+  absl::Status Next(std::string& chunk);
 
-  absl::Status Append(std::string_view bytes);
-
-  // Ends the stream.
-  absl::Status Finish();
-
-  // Returns how many bytes the file got.
-  uint64_t bytes() const { return bytes_; }
+  // Return facts about the bytes before compression, as far as the stream has come.
+  uint64_t size() const { return size_; }
+  uint32_t check() const { return check_; }
 
  private:
-  struct Stream;
-  absl::Status Run(std::string_view bytes, int flush);
-
-  AtomicFile& file_;
-  const std::unique_ptr<Stream> stream_;
-  uint64_t bytes_ = 0;
+  const Check kind_;
+  PackedBlocks packed_;
+  std::vector<PackedBlock> blocks_;
+  uint64_t size_ = 0;
+  uint32_t check_;
+  bool ended_ = false;
 };
+
+enum class StreamForm { kZlib, kGzip };
+
+// Appends bytes to a file, compressed. Returns how many bytes the file got. Errors: those of AtomicFile::Append and,
+// with the target, of PackedBlocks.
+absl::StatusOr<uint64_t> AppendDeflated(NextChunk next, StreamForm form, AtomicFile& file);
 
 }  // namespace latvox::client
 

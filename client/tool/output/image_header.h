@@ -46,7 +46,7 @@ bool NeedsNifti2(const ImageFacts& image);
 // NIfTI-1 of one file, 352 bytes; if NeedsNifti2, NIfTI-2, 544 bytes. sform is the basis, in floats or doubles; its
 // code says "aligned to another file", the mesh. There is no qform, because a quaternion knows only right angles. The
 // header is written by hand, because it is a dozen numbers at fixed places. Debian's libnifti2 opens a file by its name
-// and compresses by itself. So a file could neither be an AtomicFile nor use the Deflater.
+// and compresses by itself. So a file could neither be an AtomicFile nor be compressed by several threads.
 // Colors are RGB24; other components are the fifth dimension, so that all elements of one component come before those
 // of the next.
 std::string NiftiHeader(const ImageFacts& image);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <deque>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -115,55 +116,53 @@ class ImageOutput final : public Output {
   bool is_nifti() const { return format_ == ImageFormat::kNifti || format_ == ImageFormat::kNiftiGzip; }
 
   absl::Status Write(const ImageFacts& image, const DenseArray& array) {
-    const auto plain = [this](std::string_view bytes) { return file_->Append(bytes); };
     switch (format_) {
       case ImageFormat::kNrrd: {
         if (auto status = file_->Append(NrrdHeader(image)); !status.ok()) return status;
-        return WriteDeflated("", array, Deflater::Form::kGzip).status();
+        return AppendDeflated(Rows(array), StreamForm::kGzip, *file_).status();
       }
       case ImageFormat::kMetaImage: {
         if (auto status = file_->Append(MetaImageHeader(image, 0)); !status.ok()) return status;
-        const auto bytes = WriteDeflated("", array, Deflater::Form::kZlib);
+        const auto bytes = AppendDeflated(Rows(array), StreamForm::kZlib, *file_);
         if (!bytes.ok()) return bytes.status();
         return file_->Overwrite(0, MetaImageHeader(image, *bytes));
       }
       case ImageFormat::kMetaPair: {
         const std::string name = std::filesystem::path(data_->target()).filename().string();
         if (auto status = file_->Append(MetaImageHeader(image, name)); !status.ok()) return status;
-        return WriteRows(array, [this](std::string_view bytes) { return data_->Append(bytes); });
+        return AppendAll(Rows(array), *data_);
       }
-      case ImageFormat::kNifti: {
-        if (auto status = file_->Append(NiftiHeader(image)); !status.ok()) return status;
-        return WriteRows(array, plain);
-      }
+      case ImageFormat::kNifti:
+        return AppendAll(Rows(array, NiftiHeader(image)), *file_);
       case ImageFormat::kNiftiGzip:
         break;
     }
-    return WriteDeflated(NiftiHeader(image), array, Deflater::Form::kGzip).status();
+    return AppendDeflated(Rows(array, NiftiHeader(image)), StreamForm::kGzip, *file_).status();
   }
 
-  // Returns the bytes of the compressed stream.
-  absl::StatusOr<uint64_t> WriteDeflated(std::string_view before, const DenseArray& array, Deflater::Form form) {
-    Deflater deflater(*file_, form);
-    if (auto status = deflater.Append(before); !status.ok()) return status;
-    const auto append = [&deflater](std::string_view bytes) { return deflater.Append(bytes); };
-    if (auto status = WriteRows(array, append); !status.ok()) return status;
-    if (auto status = deflater.Finish(); !status.ok()) return status;
-    return deflater.bytes();
-  }
-
-  template <class Append>
-  absl::Status WriteRows(const DenseArray& array, const Append& append) {
-    const bool by_component = is_nifti() && array.components > 1 && array.type != NumberType::kUint8;
+  static absl::Status AppendAll(const NextChunk& next, AtomicFile& file) {
     std::string chunk;
-    for (size_t n = 0; n < (by_component ? array.components : 1); ++n) {
-      const DenseArray part = by_component ? Component(array, n) : array;
-      DenseRows rows(fields_.box(), part.empty, part.put);
-      for (rows.Next(chunk); !chunk.empty(); rows.Next(chunk)) {
-        if (auto status = append(chunk); !status.ok()) return status;
-      }
+    for (next(chunk); !chunk.empty(); next(chunk)) {
+      if (auto status = file.Append(chunk); !status.ok()) return status;
     }
     return absl::OkStatus();
+  }
+
+  // Returns the bytes of the array, after others.
+  NextChunk Rows(const DenseArray& array, std::string before = "") {
+    const bool by_component = is_nifti() && array.components > 1 && array.type != NumberType::kUint8;
+    const auto parts = std::make_shared<std::deque<DenseRows>>();
+    for (size_t n = 0; n < (by_component ? array.components : 1); ++n) {
+      const DenseArray part = by_component ? Component(array, n) : array;
+      parts->emplace_back(fields_.box(), part.empty, part.put);
+    }
+    return [parts, before = std::move(before)](std::string& chunk) mutable {
+      chunk = std::exchange(before, {});
+      while (chunk.empty() && !parts->empty()) {
+        parts->front().Next(chunk);
+        if (chunk.empty()) parts->pop_front();
+      }
+    };
   }
 
   std::unique_ptr<AtomicFile> file_, data_;  // data_: of kMetaPair

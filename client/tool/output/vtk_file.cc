@@ -1,8 +1,5 @@
 #include "client/tool/output/vtk_file.h"
 
-#include <zlib.h>
-
-#include <algorithm>
 #include <string_view>
 
 #include "absl/strings/str_cat.h"
@@ -11,7 +8,7 @@
 namespace latvox::client {
 namespace {
 
-constexpr uint64_t kBlock = uint64_t{1} << 20;
+constexpr uint64_t kBlock = PackedBlocks::kBlock;
 
 // Returns everything before the appended data. The length does not depend on the offsets: spaces follow a short one,
 // because meshio finds no array by an offset with leading zeros. It also expects no NumberOfComponents of 1.
@@ -49,20 +46,16 @@ absl::Status Append(const VtkArray& array, AtomicFile& file, uint64_t& at) {
   const uint64_t start = at;
   if (auto status = file.Append(BytesOfHead(head)); !status.ok()) return status;
   at += BytesOfHead(head).size();
-  std::string chunk, rest, packed(compressBound(kBlock), '\0');
-  uint64_t done = 0;
-  for (uint64_t n = 0; n < blocks; ++n) {
-    const uint64_t wanted = std::min(kBlock, array.bytes - done);
-    for (; rest.size() < wanted; rest += chunk) array.next(chunk);
-    uLongf size = packed.size();
-    if (compress2(reinterpret_cast<Bytef*>(packed.data()), &size, reinterpret_cast<const Bytef*>(rest.data()), wanted,
-                  Z_BEST_SPEED) != Z_OK) {
-      return absl::ResourceExhaustedError(absl::StrCat(file.target(), ": no memory to compress it"));
+  PackedBlocks packed(array.next, PackedBlocks::Form::kZlib);
+  std::vector<PackedBlock> some;
+  for (uint64_t n = 0; n < blocks;) {
+    if (auto status = packed.Take(some); !status.ok()) {
+      return absl::Status(status.code(), absl::StrCat(file.target(), ": ", status.message()));
     }
-    if (auto status = file.Append({packed.data(), size}); !status.ok()) return status;
-    rest.erase(0, wanted);
-    done += wanted;
-    at += head[3 + n] = size;
+    for (const PackedBlock& block : some) {
+      if (auto status = file.Append(block.bytes); !status.ok()) return status;
+      at += head[3 + n++] = block.bytes.size();
+    }
   }
   return file.Overwrite(start, BytesOfHead(head));
 }

@@ -3,12 +3,12 @@
 #define LATVOX_CLIENT_TOOL_OUTPUT_VTK_FILE_H_
 
 #include <cstdint>
-#include <functional>
 #include <string>
 #include <vector>
 
 #include "absl/status/status.h"
 #include "client/tool/output/atomic_file.h"
+#include "client/tool/output/packed_blocks.h"
 #include "latvox/types.h"
 
 namespace latvox::client {
@@ -17,8 +17,8 @@ namespace latvox::client {
 struct VtkArray {
   std::string name, type;  // type: "Float32"
   size_t components;
-  uint64_t bytes;                                // in all
-  std::function<void(std::string& chunk)> next;  // replaces the chunk by the next bytes
+  uint64_t bytes;  // in all
+  NextChunk next;
 };
 
 // An element with arrays, such as CellData.
@@ -37,8 +37,8 @@ struct VtkFile {
 // Returns the name of a component's type; kUint32 stands for int32.
 const char* VtkTypeOf(NumberType type);
 
-// Writes the file. Arrays are appended, raw, in blocks of 1 MiB that zlib compresses; their bytes are in memory one
-// chunk at a time. Errors: those of AtomicFile; RESOURCE_EXHAUSTED (memory). Precondition: nothing has been written.
+// Writes the file. Arrays are appended, raw, in PackedBlocks, which are in memory a few at a time. Errors: those of
+// AtomicFile; RESOURCE_EXHAUSTED (memory). Precondition: nothing has been written.
 absl::Status WriteVtkFile(const VtkFile& vtk, AtomicFile& file);
 
 }  // namespace latvox::client

@@ -13,14 +13,20 @@
 
 #include "absl/cleanup/cleanup.h"
 #include "absl/strings/str_cat.h"
+#include "client/tool/output/deflater.h"
 
 namespace latvox::client {
 namespace {
 
-// libzip reads a member through this.
+// libzip reads a member through this, which has compressed it already: libzip would do that in one thread.
 class MemberSource {
  public:
-  explicit MemberSource(const ZipMember& member) : member_(member) {}
+  explicit MemberSource(const ZipMember& member) : bytes_(member.bytes), stream_(member.next, Check::kCrc32) {
+    zip_error_init(&error_);
+  }
+  ~MemberSource() { zip_error_fini(&error_); }
+  MemberSource(const MemberSource&) = delete;
+  MemberSource& operator=(const MemberSource&) = delete;
 
   static zip_int64_t Call(void* self, void* data, zip_uint64_t size, zip_source_cmd_t command) {
     auto& source = *static_cast<MemberSource*>(self);
@@ -29,14 +35,11 @@ class MemberSource {
         return ZIP_SOURCE_SUPPORTS_READABLE;
       case ZIP_SOURCE_READ:
         return source.Read(static_cast<char*>(data), size);
-      case ZIP_SOURCE_STAT: {
-        auto* const stat = static_cast<zip_stat_t*>(data);
-        zip_stat_init(stat);
-        stat->size = source.member_.bytes;
-        stat->valid = ZIP_STAT_SIZE;
-        return sizeof(zip_stat_t);
-      }
-      default:  // open, close, error, free
+      case ZIP_SOURCE_STAT:
+        return source.Stat(static_cast<zip_stat_t*>(data));
+      case ZIP_SOURCE_ERROR:
+        return zip_error_to_data(&source.error_, data, size);
+      default:  // open, close, free
         return 0;
     }
   }
@@ -44,8 +47,12 @@ class MemberSource {
  private:
   zip_int64_t Read(char* data, zip_uint64_t size) {
     if (at_ == chunk_.size()) {
-      member_.next(chunk_);
+      if (!stream_.Next(chunk_).ok()) {
+        zip_error_set(&error_, ZIP_ER_MEMORY, 0);
+        return -1;
+      }
       at_ = 0;
+      is_whole_ = chunk_.empty();
     }
     const size_t count = std::min<size_t>(size, chunk_.size() - at_);
     std::memcpy(data, chunk_.data() + at_, count);
@@ -53,9 +60,25 @@ class MemberSource {
     return static_cast<zip_int64_t>(count);
   }
 
-  const ZipMember& member_;
+  // libzip asks for the checksum after the last byte.
+  zip_int64_t Stat(zip_stat_t* stat) const {
+    zip_stat_init(stat);
+    stat->size = bytes_;
+    stat->comp_method = ZIP_CM_DEFLATE;
+    stat->valid = ZIP_STAT_SIZE | ZIP_STAT_COMP_METHOD;
+    if (is_whole_) {
+      stat->crc = stream_.check();
+      stat->valid |= ZIP_STAT_CRC;
+    }
+    return sizeof(zip_stat_t);
+  }
+
+  const uint64_t bytes_;  // before compression
+  DeflateStream stream_;
   std::string chunk_;
   size_t at_ = 0;
+  bool is_whole_ = false;
+  zip_error_t error_;
 };
 
 // libzip writes the archive through this. Its own writer for files would leave a temporary file behind if the process
@@ -123,14 +146,13 @@ class ArchiveSink {
   zip_error_t error_;
 };
 
-absl::Status Add(MemberSource& source, const ZipMember& member, zip_t* archive) {
+absl::Status Add(MemberSource& source, const std::string& name, zip_t* archive) {
   constexpr zip_uint16_t kDate = 1 << 5 | 1;  // of MS-DOS: January 1, 1980
-  constexpr zip_uint32_t kFastest = 1;        // most of a dense array is empty
   zip_source_t* const content = zip_source_function(archive, &MemberSource::Call, &source);
-  const zip_int64_t index = content == nullptr ? -1 : zip_file_add(archive, member.name.c_str(), content, 0);
+  const zip_int64_t index = content == nullptr ? -1 : zip_file_add(archive, name.c_str(), content, 0);
   if (index < 0) zip_source_free(content);
   const auto number = static_cast<zip_uint64_t>(index);
-  if (index < 0 || zip_set_file_compression(archive, number, ZIP_CM_DEFLATE, kFastest) != 0 ||
+  if (index < 0 || zip_set_file_compression(archive, number, ZIP_CM_DEFLATE, 0) != 0 ||
       zip_file_set_dostime(archive, number, 0, kDate, 0) != 0) {
     return absl::FailedPreconditionError(zip_strerror(archive));
   }
@@ -151,7 +173,7 @@ absl::Status Write(const std::vector<ZipMember>& members, ArchiveSink& sink) {
   std::deque<MemberSource> sources;
   absl::Status status;
   for (const ZipMember& member : members) {
-    status = Add(sources.emplace_back(member), member, archive);
+    status = Add(sources.emplace_back(member), member.name, archive);
     if (!status.ok()) break;
   }
   if (status.ok() && zip_close(archive) == 0) return status;
