@@ -18,6 +18,9 @@ KINDS = {
     "labeled enclosed": ["--set", "enclosed", "--labels", "part", "--fields", "part,distance"],
     "region": ["--set", "region", "--seed", "0,0,0", "--fields", "distance", "--lattice", "hexagonal"],
     "links": ["--set", "links", "--fields", "point"],
+    "interior": ["--set", "interior", "--fields", "material,distance", "--lattice", "bcc"],
+    "enclosed interior": ["--set", "enclosed-interior", "--fields", "triangle"],
+    "materials and colors": ["--fields", "material,color"],
 }
 
 
@@ -25,6 +28,9 @@ class MergeFields(Case):
     def setUp(self):
         super().setUp()
         self.mesh = write_obj(self.dir / "octahedron.obj", octahedron(8))
+        lines = self.mesh.read_text().splitlines()
+        self.mesh.write_text("\n".join(["mtllib o.mtl", *lines[:6], "usemtl red", *lines[6:10], "usemtl blue", *lines[10:], ""]))
+        (self.dir / "o.mtl").write_text("newmtl red\nKd 1 0 0\nnewmtl blue\nKd 0 0 1\n")
         self.merged = self.dir / "merged.vdb"
 
     def parts(self, cuts, *options, extension=".vdb"):
@@ -53,6 +59,10 @@ class MergeFields(Case):
                     summary = self.merge(self.parts(cuts, *options, extension=extension))
                     self.assertEqual((summary["voxels"], summary["digest"]), (whole["voxels"], whole["digest"]))
                     self.assertEqual(self.merged.read_bytes(), (self.dir / "whole.vdb").read_bytes(), extension)
+
+    def test_materials_keep_their_names(self):
+        self.merge(self.parts([["--shard", f"{n}/3"] for n in range(3)], *KINDS["materials and colors"]))
+        self.assertRegex(latvox("info", self.merged).stdout, r"latvox_material_names = .*red.*blue")
 
     def test_regions_that_overlap_within_bricks_are_the_whole(self):
         cuts = [[f"--region={box}"] for box in ("-999,-999,-999,5,999,999", "3,-999,-999,999,12,999", "3,9,-999,999,999,999")]
