@@ -8,6 +8,7 @@
 The page client/docs/python.md has more examples.
 """
 
+from . import _latvox
 from ._calls import EXTENSIONS, KEYWORDS, Client, Stream, stream, voxelize, voxelize_many
 from ._errors import (
     Cancelled,
@@ -23,9 +24,10 @@ from ._errors import (
     Unavailable,
     VoxelizeWarning,
 )
-from ._files import convert, merge, open  # noqa: A004
-from ._latvox import version as __version__
+from ._files import convert, merge, open as open  # noqa: A004
 from ._voxels import Bricks, Dense, Grid, Voxels
+
+__version__ = _latvox.version
 
 # Without open: `from latvox import *` must leave Python's own.
 __all__ = [

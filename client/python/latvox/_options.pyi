@@ -1,16 +1,16 @@
 """Types of keyword arguments, for editors and type checkers. Made by client/python/stubs/options_stub.py."""
 
 import os
-from typing import Literal, Optional, Sequence, TypedDict, Union
+from typing import Any, Literal, Optional, Sequence, TypedDict, Union
 
 import numpy as np
 
 _Integer = Union[int, np.integer]
 _Number = Union[float, np.integer, np.floating]
-_Numbers = Union[Sequence[_Number], Sequence[Sequence[_Number]], np.ndarray, str]
+_Numbers = Union[Sequence[Union[_Number, Sequence[_Number]]], np.ndarray[Any, Any], str]
 _Path = Union[str, os.PathLike[str]]
-_Names = Union[str, Sequence[str], np.ndarray]
-_Labels = Union[str, _Integer, Sequence[Union[str, _Integer]], np.ndarray]
+_Names = Union[str, Sequence[str], np.ndarray[Any, Any]]
+_Labels = Union[str, _Integer, Sequence[Union[str, _Integer]], np.ndarray[Any, Any]]
 
 class RequestOptions(TypedDict, total=False):
     """Keywords of a request."""
