@@ -12,11 +12,11 @@ ScannedSurface SurfaceScan::Scan(const TileContext& context, const TileNode& nod
   voxels_.Reset(BlockBox(context, node, halo));
   candidates_.Reset({}, context.frames);
   rim_only_.clear();
+  voxels_.where().ForEachTinyBatch(context, [this](const Crossings& some) { voxels_.Add(some.nearer.view()); });
   if (context.supercover != nullptr) {
     cover_.Add(context, triangles, candidates_, memory_, voxels_);
     return {voxels_, candidates_, rim_only_, memory_};
   }
-  voxels_.where().ForEachTinyBatch(context, [this](const Crossings& some) { voxels_.Add(some.nearer.view()); });
   candidates_.Reset(context.is_tiny.empty() ? triangles : WithoutTiny(context, triangles), context.frames);
   if (!context.stop.Stopped()) {
     candidates_.ForEach(context, voxels_.where(), [&](const Candidates& candidates) {

@@ -205,7 +205,7 @@ TileLinks::Part::Lists& TileLinks::Part::ListsOf(uint32_t tile) {
 
 void TileLinks::Part::Move(PackedLinks& links, const Vec3i& margin) {
   border_.Clear();
-  HWY_DYNAMIC_DISPATCH(CopyBorder)(links, margin, border_);
+  if (margin != Vec3i{}) HWY_DYNAMIC_DISPATCH(CopyBorder)(links, margin, border_);
   HWY_DYNAMIC_DISPATCH(Move)(links.tiles.data(), links.links.data(), links.size(), &Lists::all, *this);
   HWY_DYNAMIC_DISPATCH(Move)(border_.tiles.data(), border_.links.data(), border_.size(), &Lists::border, *this);
   links.Clear();

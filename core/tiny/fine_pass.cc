@@ -5,11 +5,12 @@
 
 #include <algorithm>
 #include <memory>
-#include <optional>
+#include <vector>
 
 #include "core/base/simd.h"
 #include "core/tiny/line_forms.h"
 #include "core/tiny/tiny.h"
+#include "core/tiny/tiny_cover.h"
 #include "core/tiny/touching.h"
 #include "core/tree/tile_tree.h"
 #include "core/triangles/corner_list.h"
@@ -26,27 +27,19 @@ struct Chunk {
 };
 
 // Goes through chunks, one after the other, in one thread.
+//   Find   takes a list of triangles, and appends to another list the numbers of those that are kept
+template <class Find>
 class ChunkPass {
  public:
   //   origin  of lists of corners
-  //   tiny    null: no triangle counts as tiny
-  //   marks   of is_tiny, or null
-  ChunkPass(const SnappedMesh& mesh, const LineForms& forms, bool few_touch, const Vec3i& origin, TinyCrossings* tiny,
-            uint8_t* marks)
-      : mesh_(mesh), forms_(forms), few_touch_(few_touch), origin_(origin), tiny_(tiny), marks_(marks) {}
+  ChunkPass(const SnappedMesh& mesh, const Vec3i& origin, Find& find) : mesh_(mesh), origin_(origin), find_(find) {}
 
   Chunk Do(size_t begin, size_t end) {
     Chunk chunk;
     kept_.clear();
-    if (marks_ != nullptr) std::fill(marks_ + begin, marks_ + end, 1);  // also for triangles that no line can meet
     for (size_t first = begin; first < end; first += CornerList::kMost) {
       chunk.sums.AddAndList(mesh_, first, std::min(CornerList::kMost, end - first), origin_, *list_);
-      if (few_touch_) KeepTouching(forms_, *list_);
-      if (tiny_ != nullptr) {
-        tiny_->Find(*list_, kept_, marks_);
-      } else {
-        kept_.insert(kept_.end(), list_->triangles, list_->triangles + list_->size);
-      }
+      find_(*list_, kept_);
     }
     chunk.kept = kept_;  // no larger than necessary
     return chunk;
@@ -54,36 +47,22 @@ class ChunkPass {
 
  private:
   const SnappedMesh& mesh_;
-  const LineForms& forms_;
-  const bool few_touch_;
   const Vec3i origin_;
-  TinyCrossings* const tiny_;
-  uint8_t* const marks_;
+  Find& find_;
   const std::unique_ptr<CornerList> list_ = std::make_unique<CornerList>();
   std::vector<uint32_t> kept_;
 };
 
-}  // namespace
-
-FineTriangles SortOutFine(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames, const Fineness& fineness,
-                          const IndexBox& box, StopSignal stop, TileLinks& links,
-                          UninitializedVector<uint8_t>* is_tiny) {
+// Goes through the mesh with all threads of the arena.
+//   make_find   makes a Find for a thread's chunks, which fills `links`
+template <class MakeFind>
+FineTriangles SortOut(const SnappedMesh& mesh, StopSignal stop, TileLinks& links, const MakeFind& make_find) {
   const size_t count = mesh.triangles.size();
   const Vec3i origin = TinyCrossings::Origin(links);
-  bool find_tiny = fineness.most_tiny && !SimdIsScalar() && TileCubeLevel(mesh.box) <= kPackedTileBits;
-  // The box consists of voxels with a half-link to the mesh, so it may begin one voxel above it.
-  for (size_t m = 0; m < 3; ++m) find_tiny &= mesh.box.max[m] - origin[m] < CornerList::kVoxels;
-  uint8_t* marks = nullptr;
-  if (find_tiny && is_tiny != nullptr) {
-    is_tiny->resize(count);
-    marks = is_tiny->data();
-  }
-  const LineForms forms(frames);
   std::vector<Chunk> chunks((count + kChunk - 1) / kChunk);
   oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<size_t>(0, chunks.size()), [&](const auto& numbers) {
-    std::optional<TinyCrossings> tiny;
-    if (find_tiny) tiny.emplace(frames, box, links);
-    ChunkPass pass(mesh, forms, fineness.few_touch, origin, tiny ? &*tiny : nullptr, marks);
+    auto find = make_find();
+    ChunkPass pass(mesh, origin, find);
     for (size_t n = numbers.begin(); n < numbers.end() && !stop.Stopped(); ++n) {
       chunks[n] = pass.Do(n * kChunk, std::min((n + 1) * kChunk, count));
     }
@@ -100,6 +79,65 @@ FineTriangles SortOutFine(const SnappedMesh& mesh, const std::vector<ScanFrame>&
   fine.kept.reserve(size);
   for (const Chunk& chunk : chunks) fine.kept.insert(fine.kept.end(), chunk.kept.begin(), chunk.kept.end());
   return fine;
+}
+
+// Whether the voxels of all tiny triangles can be packed, and some may be tiny.
+bool CanFindTiny(const SnappedMesh& mesh, const TileLinks& links) {
+  if (SimdIsScalar() || TileCubeLevel(mesh.box) > kPackedTileBits) return false;
+  // The box consists of voxels with a half-link to the mesh, so it may begin one voxel above it.
+  const Vec3i extent = mesh.box.max - TinyCrossings::Origin(links);
+  return std::max({extent[0], extent[1], extent[2]}) < CornerList::kVoxels;
+}
+
+void KeepAll(const CornerList& list, std::vector<uint32_t>& kept) {
+  kept.insert(kept.end(), list.triangles, list.triangles + list.size);
+}
+
+// Finds the links of tiny triangles.
+struct FindLinks {
+  const LineForms& forms;
+  bool few_touch;
+  uint8_t* marks;                       // of is_tiny, or null
+  std::unique_ptr<TinyCrossings> tiny;  // null: no triangle counts as tiny
+
+  void operator()(CornerList& list, std::vector<uint32_t>& kept) {
+    if (marks != nullptr) std::fill_n(marks + list.triangles[0], list.size, 1);  // also if no line can meet them
+    if (few_touch) KeepTouching(forms, list);
+    tiny ? tiny->Find(list, kept, marks) : KeepAll(list, kept);
+  }
+};
+
+// Finds the cells of tiny triangles.
+struct FindCover {
+  std::unique_ptr<TinyCover> tiny;  // null: no triangle counts as tiny
+
+  void operator()(const CornerList& list, std::vector<uint32_t>& kept) {
+    tiny ? tiny->Find(list, kept) : KeepAll(list, kept);
+  }
+};
+
+}  // namespace
+
+FineTriangles SortOutFine(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames, const Fineness& fineness,
+                          const IndexBox& box, StopSignal stop, TileLinks& links,
+                          UninitializedVector<uint8_t>* is_tiny) {
+  const bool find_tiny = fineness.most_tiny && CanFindTiny(mesh, links);
+  uint8_t* marks = nullptr;
+  if (find_tiny && is_tiny != nullptr) {
+    is_tiny->resize(mesh.triangles.size());
+    marks = is_tiny->data();
+  }
+  const LineForms forms(frames);
+  return SortOut(mesh, stop, links, [&] {
+    return FindLinks{forms, fineness.few_touch, marks,
+                     find_tiny ? std::make_unique<TinyCrossings>(frames, box, links) : nullptr};
+  });
+}
+
+FineTriangles SortOutFineCover(const SnappedMesh& mesh, const IndexBox& box, StopSignal stop, TileLinks& links) {
+  const bool find_tiny = CanFindTiny(mesh, links);
+  return SortOut(mesh, stop, links,
+                 [&] { return FindCover{find_tiny ? std::make_unique<TinyCover>(box, links) : nullptr}; });
 }
 
 }  // namespace latvox

@@ -31,6 +31,10 @@ FineTriangles SortOutFine(const SnappedMesh& mesh, const std::vector<ScanFrame>&
                           const IndexBox& box, StopSignal stop, TileLinks& links,
                           UninitializedVector<uint8_t>* is_tiny);
 
+// Does the same for a supercover where cells are boxes along the lattice axes. It leaves out tiny triangles, whose
+// cells go to `links` (core/tiny/tiny_cover.h).
+FineTriangles SortOutFineCover(const SnappedMesh& mesh, const IndexBox& box, StopSignal stop, TileLinks& links);
+
 }  // namespace latvox
 
 #endif  // LATVOX_CORE_TINY_FINE_PASS_H_

@@ -18,6 +18,10 @@ struct Fineness {
 // Judges by a sample of triangles spread over the mesh. Meshes with few triangles are not fine.
 Fineness FinenessOf(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames);
 
+// Does the same for a supercover where cells are boxes: returns whether it pays to treat tiny triangles separately, in
+// core/tiny/tiny_cover.h.
+bool IsFineForCover(const SnappedMesh& mesh);
+
 }  // namespace latvox
 
 #endif  // LATVOX_CORE_TINY_FINENESS_H_

@@ -54,19 +54,25 @@ HWY_INLINE void ColumnsOf(D d, const std::array<V, 8>& rows, std::array<V, 3>& f
   second = three(2);
 }
 
-// The corners of the triangles from place `first` on, in StoredOrder, the order that is cheapest to load.
+// The corners of the triangles from place `first` on, in StoredOrder, the order that is cheapest to load. Also returns
+// the voxels of their first corners, as in the list.
 template <class D>
-HWY_INLINE ShortCorners<D> LoadStored(D d, const CornerList& list, size_t first) {
+HWY_INLINE ShortCorners<D> LoadStored(D d, const CornerList& list, size_t first, std::array<hn::Vec<D>, 3>& voxel) {
   const auto rows = [&](const CornerList::Row* of) HWY_ATTR {
     std::array<hn::Vec<D>, 8> loaded;
     for (size_t n = 0; n < 8; ++n) loaded[n] = hn::LoadU(d, of[first + n * (hn::MaxLanes(D()) / 8)].data());
     return loaded;
   };
   ShortCorners<D> v;
-  std::array<hn::Vec<D>, 3> voxel;
   ColumnsOf(d, rows(list.first_two), v[0], v[1]);
   ColumnsOf(d, rows(list.third_and_voxel), v[2], voxel);
   return v;
+}
+
+template <class D>
+HWY_INLINE ShortCorners<D> LoadStored(D d, const CornerList& list, size_t first) {
+  std::array<hn::Vec<D>, 3> voxel;
+  return LoadStored(d, list, first, voxel);
 }
 
 // Lane n holds the triangle at first + StoredOrder()[n].

@@ -62,17 +62,34 @@ bool NeedsAllTriangles(const ExactPlan& plan) {
          plan.NeedsNearTriangles();
 }
 
+// The local voxels whose links the job may need.
+IndexBox BoxOfLinks(const ExactPlan& plan) {
+  const Vec3i margin = plan.Context({}).FarMargin();
+  return {plan.scanned().min - margin, plan.scanned().max + margin};
+}
+
+// Finds the cells of tiny triangles, the remaining triangles, and the mesh's facts. Nodes that list tiny triangles for
+// other ends have no marks for those that a supercover may leave out.
+SurfaceFacts SortOutCover(ExactPlan& plan, StopSignal creation) {
+  const SnappedMesh& mesh = plan.input.mesh;
+  const bool are_boxes = !plan.input.supercover->scan_frames().empty();
+  if (!are_boxes || NeedsTiny(plan) || NeedsAllTriangles(plan) || !IsFineForCover(mesh)) return FactsOf(mesh, creation);
+  plan.is_fine = true;
+  FineTriangles fine = SortOutFineCover(mesh, BoxOfLinks(plan), creation, *plan.links);
+  plan.kept = std::move(fine.kept);
+  return fine.facts;
+}
+
 // Finds the links of tiny triangles, the remaining triangles, and the mesh's facts.
 SurfaceFacts SortOut(ExactPlan& plan, StopSignal creation) {
   const ExactInput& input = plan.input;
+  if (input.supercover) return SortOutCover(plan, creation);
   // Each label of a labeled walk has a plan of its own.
-  const bool may_be_fine = !input.supercover && !input.band && !(input.walk && plan.labels);
+  const bool may_be_fine = !input.band && !(input.walk && plan.labels);
   const Fineness fineness = may_be_fine ? FinenessOf(input.mesh, plan.scan_frames) : Fineness{};
   if (!fineness.few_touch && !fineness.most_tiny) return FactsOf(input.mesh, creation);
-  const Vec3i margin = plan.Context({}).FarMargin();
-  const IndexBox around{plan.scanned().min - margin, plan.scanned().max + margin};
   plan.is_fine = true;
-  FineTriangles fine = SortOutFine(input.mesh, plan.scan_frames, fineness, around, creation, *plan.links,
+  FineTriangles fine = SortOutFine(input.mesh, plan.scan_frames, fineness, BoxOfLinks(plan), creation, *plan.links,
                                    NeedsTiny(plan) ? &plan.is_tiny : nullptr);
   // Without any triangle or link, the tree would have no tiles, although a walk may reach them.
   const bool has_none = fine.kept.empty() && plan.links->empty();

@@ -84,6 +84,7 @@ if(TARGET core_row_spans_test) # compiled for the core's instruction sets
 endif()
 latvox_add_core_test(core_kernel_test scan/kernel_test.cc)
 latvox_add_core_test(core_tiny_test tiny/tiny_test.cc THREADED)
+latvox_add_core_test(core_tiny_cover_test tiny/tiny_cover_test.cc)
 latvox_add_core_test(core_threads_test voxelizer/threads_test.cc THREADED)
 
 # The programs whose results go through kernels, once more on the kernels that are not the best; see tests/README.md. Not

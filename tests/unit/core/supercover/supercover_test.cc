@@ -5,10 +5,14 @@
 
 #include <random>
 
+#include "core/snap/snap.h"
+#include "core/tiny/fineness.h"
 #include "core/verify/verify.h"
 #include "core/voxelizer/estimate.h"
 #include "tests/unit/core/exact.h"
+#include "tests/unit/core/simd.h"
 #include "tests/unit/core/sphere.h"
+#include "tests/unit/core/supercover/row_by_row.h"
 
 namespace latvox {
 namespace {
@@ -40,14 +44,6 @@ std::vector<CoveredLattice> Lattices() {
 
 constexpr int32_t kFar = 1 << 20;
 constexpr IndexBox kEverywhere{{-kFar, -kFar, -kFar}, {kFar, kFar, kFar}};
-
-Triangle FromOracle(const oracle::Triangle& triangle) {
-  Triangle out;
-  for (size_t n = 0; n < 3; ++n) {
-    for (size_t m = 0; m < 3; ++m) out[n][m] = static_cast<int32_t>(triangle[n][m]);
-  }
-  return out;
-}
 
 // Runs must neither repeat a row nor come out of order.
 std::set<Int3> Covered(const Supercover& supercover, const Triangle& triangle, const IndexBox& box = kEverywhere) {
@@ -205,6 +201,54 @@ TEST_P(SupercoverOnLattice, PartsAndThreadsEqualTheWhole) {
   const Vec3i middle = whole.tiles[whole.tiles.size() / 2].tile_ijk;
   EXPECT_EQ(Cover(sphere, lattice, {.resume_after = middle}).tiles.size(),
             whole.tiles.size() - whole.tiles.size() / 2 - 1);
+}
+
+// Many tiny triangles take another path on lattices whose cells are boxes (core/tiny/tiny_cover.h). They cross borders
+// of tiles. Their corners are in general position, or multiples of half a voxel, on borders of cells and often without
+// area. A few large triangles lie among them.
+TEST(Supercover, OfTinyTrianglesIsThatOfEachRowByRowOnEachKernel) {
+  const Lattice lattice = Lattice::Named(NamedLattice::kCartesian);
+  const Grid grid = Unscaled(lattice);
+  std::mt19937 random(9);
+  for (const int64_t grain : {1, 128}) {
+    oracle::Mesh mesh = RandomTriangles(grain, 2 * kLatticeUnit, 17000, random);
+    for (oracle::Triangle& triangle : RandomTriangles(grain, 9000, 20, random)) mesh.push_back(triangle);
+    const TriangleMesh world = ToWorld(mesh, lattice);
+    ASSERT_TRUE(IsFineForCover(*Snap(world, lattice, grid.origin, {1, 1, 1})));
+    const std::set<Int3> expected = RowByRow(mesh, lattice);
+    std::set<Int3> within;
+    const IndexBox region{{9, 20, 3}, {70, 65, 41}};
+    for (const Int3& z : expected) {
+      const Vec3i ijk{static_cast<int32_t>(z[0]), static_cast<int32_t>(z[1]), static_cast<int32_t>(z[2])};
+      if (region.Contains(ijk)) within.insert(z);
+    }
+    WithEachSimd([&] {
+      const Result whole = Cover(world, lattice, {}, 1);
+      ASSERT_EQ(VoxelsOf(whole), expected) << "grain " << grain;
+      EXPECT_EQ(Cover(world, lattice, {}, 3).totals.digest, whole.totals.digest);
+      Digest sum;
+      for (uint32_t n = 0; n < 3; ++n) sum.Add(Cover(world, lattice, {.shard = Shard{n, 3}}).totals.digest);
+      EXPECT_EQ(sum, whole.totals.digest);
+      EXPECT_EQ(VoxelsOf(Cover(world, lattice, {.region = region})), within);
+    });
+  }
+}
+
+// Sets and fields whose tiles need the triangles themselves.
+TEST(Supercover, OfTinyTrianglesIsTheSameWithFieldsAndInSolidsOnEachKernel) {
+  const Lattice lattice = Lattice::Named(NamedLattice::kCartesian);
+  const TriangleMesh sphere = Sphere(120, 28);
+  ASSERT_TRUE(IsFineForCover(*Snap(sphere, lattice, {}, {1, 1, 1})));
+  for (const VoxelizeOptions& options :
+       {VoxelizeOptions{.set = SupercoverSurface{}}, {.set = Solid{.surface = SolidSurface::kSupercover}},
+        {.set = SupercoverSurface{}, .fields = {Field::kTriangle, Field::kLinks}}}) {
+    std::optional<Digest> expected;  // of plain C++, which comes first
+    WithEachSimd([&] {
+      const Digest digest = Voxelize(sphere, Unscaled(lattice), options).totals.digest;
+      EXPECT_EQ(digest, expected.value_or(digest));
+      expected = digest;
+    });
+  }
 }
 
 // World coordinates of the others would be rounded.
