@@ -2,6 +2,7 @@
 Debian, with systemd as its process 1. `tests/run --packages` makes the packages first. LATVOX_DEBIAN, if set, is the
 release of build/RELEASE/packages. LATVOX_ARCHITECTURE=arm64 are those of build/arm64/packages."""
 
+import hashlib
 import json
 import os
 import pathlib
@@ -17,6 +18,7 @@ from debian_root import ROOT, STATE, Root, await_true, run
 OWN_ARCHITECTURE = run("dpkg", "--print-architecture").stdout.strip()
 ARCHITECTURE = os.environ.get("LATVOX_ARCHITECTURE", OWN_ARCHITECTURE)
 PACKAGES = pathlib.Path(ROOT, "build", os.environ.get("LATVOX_DEBIAN", ""), "" if ARCHITECTURE == OWN_ARCHITECTURE else ARCHITECTURE, "packages")
+PAGE = (ROOT / "deploy/docs/packages.md").read_text()
 NAMES = ("latvox", "latvoxd", "liblatvox-dev", "python3-latvox")
 BUNNY = "/usr/share/glmark2/models/bunny.obj"
 ADDRESS = "127.0.0.1:50151"
@@ -81,10 +83,22 @@ def fresh(directory, name):
     return root
 
 
+def checksums():
+    return {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in PACKAGES.glob("*.deb")}
+
+
 class Packages(unittest.TestCase):
     def test_lintian_finds_no_error_and_no_warning(self):
         done = run("lintian", "--allow-root", "--fail-on", "error,warning", *map(package, NAMES), check=False, timeout=300)
         self.assertEqual((done.returncode, done.stdout), (0, ""))
+
+    def test_equal_commits_make_equal_packages(self):
+        """The build is finished, so this packs its files again."""
+        before = checksums()
+        there = ["deploy/packaging/in-debian", debian_root.RELEASE] if "LATVOX_DEBIAN" in os.environ else []
+        architecture = [ARCHITECTURE] if ARCHITECTURE != OWN_ARCHITECTURE else []
+        run(*there, "deploy/packaging/build", *architecture, cwd=ROOT, timeout=1800)
+        self.assertEqual(checksums(), before, "or these packages are of another commit")
 
     def test_each_package_has_its_files_and_no_other_has_them(self):
         found = {name: contents(package(name)) for name in NAMES}
@@ -124,17 +138,30 @@ class InRoot(unittest.TestCase):
         cls.root.shell(cls.install, timeout=1200)
 
 
-class AsTheReadmeSays(InRoot):
-    """The tool alone, with apt's own settings."""
-
-    install = "cd /packages; apt-get install -y ./latvox_*.deb"
-
+class FirstCommand:
     def test_the_first_command_of_the_readme_makes_its_file(self):
         block, told = re.search(r"^## Three commands$.*?^```sh\n(.*?)^```.*?^```text\n(.*?)^```", (ROOT / "README.md").read_text(), re.M | re.S).groups()
         self.assertIn("-o bunny.vdb", block)
-        done = self.root.shell(f"cd /tmp; {block} latvox info bunny.vdb", timeout=300)
+        done = self.root.shell(f"cd /tmp; {block} latvox info bunny.vdb", timeout=60)  # a promise, with time to spare
         digest = re.search(r"digest (\w{32})", told)[1]
         self.assertIn(f"latvox_digest = {digest}", done.stdout)
+
+
+class WithoutDrivers(FirstCommand, InRoot):
+    """The tool and the bunny alone, as the page says."""
+
+    install = "cd /packages; " + re.search(r"^apt-get install( --no-install-recommends ./latvox_\*.deb .*)", PAGE, re.M).expand(r"apt-get install -y\1")
+
+    def test_no_driver_for_graphics_comes_along(self):
+        installed = self.root.run("dpkg-query", "-W", "-f=${Package}\n").stdout.split()
+        self.assertIn("glmark2-data", installed)
+        self.assertEqual([name for name in installed if re.match("glmark2-(?!data)|libegl|libgbm|libgl1|libllvm|mesa-", name)], [])
+
+
+class AsTheReadmeSays(FirstCommand, InRoot):
+    """The tool alone, with apt's own settings."""
+
+    install = "cd /packages; apt-get install -y ./latvox_*.deb"
 
     def test_the_libraries_that_a_call_loads_late_are_there(self):
         self.root.shell(f"cd /tmp; latvox voxelize {BUNNY} --resolution 64 -o a.h5; latvox info a.h5", timeout=300)
