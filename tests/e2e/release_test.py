@@ -243,7 +243,7 @@ class Release(unittest.TestCase):
         self.assertIn("liblatvox: programs of 0.1.0 go on working", self.made("0.1.1", "--last-abi", dump))
 
     def test_the_abi_is_that_of_one_debian_release_on_each_machine(self):
-        """Also the programs of a dump are those of that release."""
+        """The programs that dump it are installed there, too."""
         system = self.dir / "os-release"
         self.commit("deploy/release", lambda text: text.replace("/etc/os-release", str(system)))
         # Like the real one: `build` is a folder of the release's own.
