@@ -18,7 +18,7 @@ namespace latvox {
 // Threads: any.
 class WorkLanes {
  public:
-  // More clients with large work at the same time share lanes. Idle threads of a lane cost their stacks.
+  // More clients with large work at the same time share lanes. The threads of a lane that was used once stay.
   static constexpr int kLanes = 4;
 
   // Arguments: as those of WorkQueue, for each lane.

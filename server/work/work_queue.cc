@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <cstring>
 #include <future>
+#include <system_error>
 #include <thread>
 
 #include "server/base/log.h"
@@ -16,13 +17,16 @@
 namespace latvox {
 namespace {
 
+// Returns the niceness of a thread that has `more` than this one; nullopt for 0, which asks for no such threads.
+std::optional<int> NicenessBeyondThis(int more) {
+  if (more == 0) return std::nullopt;
+  return getpriority(PRIO_PROCESS, static_cast<id_t>(gettid())) + more;
+}
+
 // Lowers the priority of this thread; Linux has a niceness for each. Everyone may raise it. Where a sandbox forbids
 // even that, work goes on, less fairly.
-void AddToNiceness(int niceness) {
-  const auto self = static_cast<id_t>(gettid());
-  errno = 0;
-  const int before = getpriority(PRIO_PROCESS, self);  // -1 is a valid niceness, too
-  if (errno == 0 && setpriority(PRIO_PROCESS, self, before + niceness) == 0) return;
+void SetNiceness(int niceness) {
+  if (setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), niceness) == 0) return;
   Log(LogLevel::kWarning, "priority_not_lowered", {{"error", std::strerror(errno)}});
 }
 
@@ -39,7 +43,7 @@ class WorkQueue::Resident {
   Resident(oneapi::tbb::task_arena& arena, int niceness)
       : thread_([this, &arena, niceness] {
           pthread_setname_np(pthread_self(), "latvoxd-bulk");
-          AddToNiceness(niceness);
+          SetNiceness(niceness);
           arena.execute([this] {
             end_.set_value(awaited_.defer([] {}));
             awaited_.wait();
@@ -57,9 +61,22 @@ class WorkQueue::Resident {
 };
 
 WorkQueue::WorkQueue(int threads, int niceness)
-    : threads_(threads), arena_(niceness == 0 ? threads : PlacesFor(threads), niceness == 0 ? 0 : PlacesFor(threads)) {
-  if (niceness == 0) return;
-  for (int n = 0; n < threads; ++n) residents_.push_back(std::make_unique<Resident>(arena_, niceness));
+    : threads_(threads),
+      niceness_(NicenessBeyondThis(niceness)),
+      arena_(nice() ? PlacesFor(threads) : threads, nice() ? PlacesFor(threads) : 0) {
+  if (nice()) residents_.push_back(std::make_unique<Resident>(arena_, *niceness_));
+}
+
+// A server that has begun to serve goes on where the system refuses threads: one is enough for all tasks.
+void WorkQueue::StartOthers() {
+  try {
+    while (static_cast<int>(residents_.size()) < threads_) {
+      residents_.push_back(std::make_unique<Resident>(arena_, *niceness_));
+    }
+  } catch (const std::system_error& error) {
+    Log(LogLevel::kWarning, "threads_not_started",
+        {{"error", error.what()}, {"of", threads_}, {"started", residents_.size()}});
+  }
 }
 
 WorkQueue::~WorkQueue() noexcept { Wait(); }

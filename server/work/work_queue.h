@@ -2,7 +2,8 @@
 // cores. The operating system divides the cores between the two by the priority of their threads.
 //
 // oneTBB's workers go from arena to arena, and a thread that has lowered its priority cannot raise it again without
-// privileges (RLIMIT_NICE). So a queue of lower priority has threads of its own, which stay.
+// privileges (RLIMIT_NICE). So a queue of lower priority has threads of its own, which stay. On a machine of many
+// cores, they take a tenth of a second to start, so all except one start with the first task.
 //
 // Threads of gRPC enqueue tasks, and may end before the tasks run. In oneTBB 2022.1, which Debian 13 has, a task of a
 // task_group then uses memory that has been freed. So a queue has no task_group for them, and counts them itself.
@@ -16,6 +17,7 @@
 #include <cstddef>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -33,11 +35,12 @@ class WorkQueue {
   int threads() const { return threads_; }
 
   // Whether its threads, and the threads that they start, have a lower priority than the process's others.
-  bool nice() const { return !residents_.empty(); }
+  bool nice() const { return niceness_.has_value(); }
 
   // Runs task() on a thread of the queue, after all earlier tasks. Its parallel algorithms use all threads.
   template <class F>
   void Enqueue(F task) {
+    if (nice()) std::call_once(started_, [this] { StartOthers(); });
     ++waiting_;
     arena_.enqueue(Task<F>{CountTask(), std::move(task)});
   }
@@ -69,13 +72,16 @@ class WorkQueue {
 
   Counted CountTask();
   void UncountTask();
+  void StartOthers();
 
   const int threads_;
+  const std::optional<int> niceness_;  // of its own threads
   oneapi::tbb::task_arena arena_;
   std::atomic<int> waiting_ = 0;
   std::mutex mu_;
   std::condition_variable no_tasks_;
   size_t tasks_ = 0;  // guarded by mu_
+  std::once_flag started_;
   std::vector<std::unique_ptr<Resident>> residents_;
 };
 

@@ -296,7 +296,7 @@ TEST(Latvoxd, LowersThePriorityOfLargeJobsUnlessItIsPrivate) {
     Process server(Latvoxd(options));
     server.ReadUntil("event=listening");
     const std::map<int, int> expected =
-        is_private ? std::map<int, int>{} : std::map<int, int>{{10, 4 * 3}};  // in four lanes
+        is_private ? std::map<int, int>{} : std::map<int, int>{{10, 4}};  // one for each lane
     // The threads may have been started only.
     const auto patience = std::chrono::steady_clock::now() + std::chrono::seconds(10);
     while (NicenessOfBulk(server.pid()) != expected && std::chrono::steady_clock::now() < patience) usleep(1000);

@@ -4,15 +4,20 @@
 #include <gtest/gtest.h>
 #include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/parallel_for.h>
+#include <pthread.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
 #include <atomic>
 #include <chrono>
+#include <filesystem>
+#include <fstream>
 #include <future>
 #include <memory>
 #include <mutex>
 #include <set>
+#include <string>
+#include <system_error>
 #include <thread>
 
 namespace latvox {
@@ -94,6 +99,64 @@ TEST(WorkQueue, OneThreadIsAllThatANiceLaneOfOneHas) {
     go_on.set_value();
   }
   EXPECT_EQ(ran, 21);
+  EXPECT_EQ(threads.size(), 1);
+}
+
+size_t ThreadsForLargeJobs() {
+  size_t count = 0;
+  for (const auto& thread : std::filesystem::directory_iterator("/proc/self/task")) {
+    std::string name;
+    std::getline(std::ifstream(thread.path() / "comm"), name);
+    count += name == "latvoxd-bulk";
+  }
+  return count;
+}
+
+TEST(WorkQueue, ThreadsOfANiceOneStartWithItsFirstTask) {
+  constexpr int kMany = 40;
+  WorkQueue bulk(kMany, kNiceness);
+  EXPECT_LE(ThreadsForLargeJobs(), 1U);
+  std::promise<void> done;
+  bulk.Enqueue([&] { done.set_value(); });
+  done.get_future().wait();
+  while (ThreadsForLargeJobs() < kMany) std::this_thread::yield();  // some have no name yet
+}
+
+// No thread gets such a stack.
+class NoMoreThreads {
+ public:
+  NoMoreThreads() { SetStack(size_t{1} << 48); }
+  ~NoMoreThreads() { SetStack(stack_); }
+
+ private:
+  void SetStack(size_t bytes) {
+    pthread_attr_t attributes;
+    pthread_getattr_default_np(&attributes);
+    pthread_attr_getstacksize(&attributes, &stack_);
+    pthread_attr_setstacksize(&attributes, bytes);
+    pthread_setattr_default_np(&attributes);
+    pthread_attr_destroy(&attributes);
+  }
+  size_t stack_ = 0;
+};
+
+TEST(WorkQueue, OneThreadDoesEverythingWhereNoOtherCanStart) {
+  WorkQueue bulk(kThreads, kNiceness);
+  std::set<pid_t> threads;
+  const auto run = [&] {
+    std::promise<void> done;
+    bulk.Enqueue([&] {
+      threads.insert(gettid());
+      done.set_value();
+    });
+    done.get_future().wait();
+  };
+  {
+    const NoMoreThreads refused;
+    EXPECT_THROW(std::thread([] {}).join(), std::system_error);
+    run();
+  }
+  for (int n = 0; n < 20; ++n) run();
   EXPECT_EQ(threads.size(), 1);
 }
 
