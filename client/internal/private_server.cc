@@ -111,13 +111,17 @@ absl::StatusOr<std::unique_ptr<PrivateServer>> PrivateServer::Start(
 }
 
 PrivateServer::~PrivateServer() {
-  if (pid_ > 0) {
-    kill(pid_, SIGTERM);
-    if (!AwaitEnd(pid_, kEndLimit)) {
-      kill(pid_, SIGKILL);
-      waitpid(pid_, nullptr, 0);
-    }
+  End();
+  if (pid_ > 0 && !AwaitEnd(pid_, kEndLimit)) {
+    kill(pid_, SIGKILL);
+    waitpid(pid_, nullptr, 0);
   }
+}
+
+// A second signal would break off its orderly end.
+void PrivateServer::End() {
+  if (pid_ > 0 && !ends_) kill(pid_, SIGTERM);
+  ends_ = true;
 }
 
 void PrivateServer::RemoveDirectory() { directory_.reset(); }

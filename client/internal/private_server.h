@@ -42,6 +42,10 @@ class PrivateServer {
   // the server leaves nothing in the file system, even if this process is killed.
   void RemoveDirectory();
 
+  // Asks the server to end, and returns at once. The destructor waits for the end. Call it after the last call, before
+  // other work: the end takes some 15 ms.
+  void End();
+
  private:
   PrivateServer() = default;
   absl::Status MakeDirectory();
@@ -50,6 +54,7 @@ class PrivateServer {
   std::string program_, socket_path_;
   std::unique_ptr<ProcessDirectory> directory_;
   pid_t pid_ = -1;  // -1: no server to end
+  bool ends_ = false;
 };
 
 }  // namespace latvox::client

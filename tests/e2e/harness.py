@@ -59,9 +59,15 @@ def latvox(*arguments, **options):
 
 
 def children():
-    """Returns the command lines of this process's living children, by pid."""
+    """Returns the command lines of this thread's living children, by pid."""
+    return children_of("thread-self")
+
+
+def children_of(process):
+    """Returns the command lines of the living children of a process's first thread, by pid."""
     living = {}
-    for pid in pathlib.Path("/proc/thread-self/children").read_text().split():
+    folder = process if process == "thread-self" else f"{process}/task/{process}"
+    for pid in pathlib.Path(f"/proc/{folder}/children").read_text().split():
         with contextlib.suppress(OSError):
             process = pathlib.Path("/proc") / pid
             if process.joinpath("stat").read_text().rpartition(")")[2].split()[0] != "Z":

@@ -5,7 +5,7 @@ import shutil
 import subprocess
 import unittest
 
-from harness import BIN, PATIENCE, Case, await_log, latvox, octahedron, server, write_obj
+from harness import BIN, BUNNY, PATIENCE, Case, await_log, await_true, children_of, latvox, octahedron, server, write_obj
 
 
 class Manners(Case):
@@ -65,6 +65,25 @@ class Manners(Case):
         self.assertIn(b"equal", self.run_here("compare", "grid.vdb", "file.vdb")[0])
         self.run_here("voxelize", self.dir / "none.obj", *size, "-o", "-", code=3)
         self.assertEqual(list(temporary.iterdir()), [])
+
+    def test_the_private_server_ends_before_the_file_is_complete(self):
+        command = [BIN / "latvox", "voxelize", BUNNY, "--resolution", "64", "-o", "-", "--output-format", "csv", "--quiet"]
+        with subprocess.Popen(command, stdout=subprocess.PIPE) as tool:
+            first = tool.stdout.read(1)  # the pipe cannot take the rest
+            await_true("the server stays", lambda: not children_of(tool.pid))
+            self.assertIsNone(tool.poll())
+            self.assertTrue((first + tool.stdout.read()).startswith(b"i,j,k,"))
+        self.assertEqual(tool.returncode, 0)
+
+    def test_nothing_of_its_libraries_runs_when_the_tool_ends(self):
+        for words in (["--version"], ["voxelize", self.mesh, "--resolution", "20", "-o", "out.vdb"], ["voxelize"]):
+            with self.subTest(words[0]):
+                environment = os.environ | {"LD_DEBUG": "files", "LD_DEBUG_OUTPUT": str(self.dir / "loader")}
+                tool = subprocess.Popen([BIN / "latvox", *words], cwd=self.dir, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+                tool.wait(PATIENCE)
+                lines = (self.dir / f"loader.{tool.pid}").read_text()
+                self.assertGreater(lines.count("calling init"), 0)
+                self.assertEqual(lines.count("calling fini"), 0)
 
     def test_a_mesh_that_is_small_beside_its_voxels_is_told(self):
         for size, told in ((2, False), (2.1, True), (50, True)):

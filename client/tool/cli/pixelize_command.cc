@@ -35,14 +35,6 @@ absl::Status Write(const std::string& path, const Drawing& drawing, const Pixeli
   return file.Sync();
 }
 
-absl::StatusOr<Pixelization> Call(const PixelizeOptions& options, const Drawing& drawing, const CallOptions& call) {
-  auto session = Session::Open(options.server, call);
-  if (!session.ok()) return session.status();
-  PixelizeRequest request = options.request;
-  request.polylines = drawing.polylines;
-  return session->client().Pixelize(request, call);
-}
-
 }  // namespace
 
 absl::StatusOr<PixelizeReport> RunPixelize(const PixelizeOptions& options, const Cancellation& cancellation) {
@@ -60,8 +52,13 @@ absl::StatusOr<PixelizeReport> RunPixelize(const PixelizeOptions& options, const
   report.polylines = drawing->polylines.size();
   for (const Polyline& polyline : drawing->polylines) report.points += polyline.points.size();
   report.read_ms = absl::ToDoubleMilliseconds(absl::Now() - start);
-  auto answer = Call(options, *drawing, call);
+  auto session = Session::Open(options.server, call);
+  if (!session.ok()) return session.status();
+  PixelizeRequest request = options.request;
+  request.polylines = drawing->polylines;
+  auto answer = session->client().Pixelize(request, call);
   if (!answer.ok()) return answer.status();
+  session->Disconnect();
   report.answer = *std::move(answer);
   for (size_t n = 0; n < files->size(); ++n) {
     if (auto status = Write(options.outputs[n], *drawing, report.answer, *(*files)[n]); !status.ok()) return status;

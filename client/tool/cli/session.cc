@@ -94,6 +94,11 @@ absl::Status Session::Connect(const CallOptions& options) {
   return absl::OkStatus();
 }
 
+void Session::Disconnect() {
+  client_.reset();
+  if (server_) server_->End();
+}
+
 absl::StatusOr<Session> Session::Open(const ServerChoice& choice, const CallOptions& options) {
   Session session(choice);
   if (absl::Status status = session.Connect(options); !status.ok()) return status;

@@ -40,6 +40,10 @@ class Session {
   // Does both.
   static absl::StatusOr<Session> Open(const ServerChoice& choice, const CallOptions& options);
 
+  // Ends the connection. A private server then ends while this process does other work; the destructor waits for it.
+  // Precondition: no call runs.
+  void Disconnect();
+
   // Precondition: connected.
   const Client& client() const { return *client_; }
 

@@ -199,6 +199,7 @@ absl::StatusOr<VoxelizeReport> RunJob(const VoxelizeOptions& given, const CallOp
   if (auto status = Call(**client, options, *upload, call, hooks, *outputs, warnings, report); !status.ok()) {
     return status;
   }
+  if (hooks.disconnect) hooks.disconnect();
   std::vector<Warning>& all = report.summary.warnings;
   if (auto status = Warn(all, options.strict, hooks.say); !status.ok()) return status;
   all.insert(all.begin(), warnings.begin(), warnings.end());
@@ -255,6 +256,7 @@ absl::StatusOr<VoxelizeReport> RunVoxelize(const VoxelizeOptions& given, const C
     if (absl::Status status = session.Connect(call); !status.ok()) return status;
     return &session.client();
   };
+  hooks.disconnect = [&] { session.Disconnect(); };
   hooks.on_stage = [&](const std::string& stage) { bar.Stage(stage); };
   hooks.on_progress = [&](double share, uint64_t bricks) { bar.Show(share, "bricks", bricks); };
   hooks.say = [&](const std::string& line) { bar.Say("latvox: " + line); };

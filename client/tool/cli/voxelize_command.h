@@ -26,7 +26,7 @@ absl::Status Align(VoxelizeOptions& options, const Cancellation& cancellation);
 
 // Calls of a job to the command that runs it, on the thread of the job.
 struct JobHooks {
-  // Called once, when the mesh is ready. The client is valid until the job has ended.
+  // Called once, when the mesh is ready. The client is valid until `disconnect`, or the end of the job.
   std::function<absl::StatusOr<const Client*>()> connect;
   std::function<void(const std::string& stage)> on_stage;  // called when a stage begins
   std::function<void(double share, uint64_t bricks)> on_progress;
@@ -38,6 +38,8 @@ struct JobHooks {
       open_output = nullptr;
   // Returns what takes the voxels of the request besides the files.
   std::function<std::unique_ptr<Output>(const VoxelizeRequest& request)> receive = nullptr;
+  // Called once the job needs the client no longer, while the outputs are still to be finished.
+  std::function<void()> disconnect = nullptr;
 };
 
 // Reads and encodes the mesh, lets the server voxelize it and writes every output. The outputs appear only if

@@ -47,6 +47,16 @@ class Private : public FilesTest {
   }
 };
 
+// Returns the children of this process, as text.
+std::string Children() {
+  std::string all;
+  for (const auto& thread : std::filesystem::directory_iterator("/proc/self/task")) {
+    std::ifstream file(thread.path() / "children");
+    all += std::string(std::istreambuf_iterator<char>(file), {});
+  }
+  return all;
+}
+
 TEST_F(Private, AServerThatEndsEarlyIsReportedAndItsDirectoryRemoved) {
   Be("exit 7\n");
   const absl::Status status = Serve();
@@ -88,6 +98,22 @@ TEST_F(Private, OneThatNeverServesIsEndedAtTheDeadlineEvenIfItIgnoresSigterm) {
   EXPECT_THAT(words.str(), HasSubstr("--exit-with-parent --decoders-on-demand --log-level warning --threads 5"));
 }
 
+TEST_F(Private, OneThatIsAskedToEndIsAskedOnceAndWaitedForLater) {
+  Be("trap 'echo TERM >> \"$0.signals\"' TERM\n"
+     "touch \"$0.ready\"\n"
+     "until [ -e \"$0.signals\" ]; do sleep 0.01; done\n"
+     "sleep 0.3\n");
+  auto server = PrivateServer::Start({});
+  ASSERT_TRUE(server.ok()) << server.status();
+  while (!std::filesystem::exists(Path("fake.ready"))) absl::SleepFor(absl::Milliseconds(1));
+  (*server)->End();
+  while (!std::filesystem::exists(Path("fake.signals"))) absl::SleepFor(absl::Milliseconds(1));
+  EXPECT_NE(Children(), "");
+  server->reset();
+  EXPECT_EQ(Children(), "");
+  EXPECT_EQ(Read("fake.signals"), "TERM\n");
+}
+
 TEST_F(Private, FilesOfThisProgramAreNotOpenInTheServer) {
   const int inherited = fcntl(STDERR_FILENO, F_DUPFD, 100);
   Be("ls /proc/$$/fd > \"$0.files\"\n");
@@ -115,16 +141,6 @@ TEST_F(Private, TheDirectoryOfADeadProcessIsRemovedAndThatOfALivingOneStays) {
   EXPECT_EQ(Serve().code(), absl::StatusCode::kUnavailable);
   EXPECT_EQ(count(), 2);
   EXPECT_TRUE(std::filesystem::exists(living->path()));
-}
-
-// Returns the children of this process, as text.
-std::string Children() {
-  std::string all;
-  for (const auto& thread : std::filesystem::directory_iterator("/proc/self/task")) {
-    std::ifstream file(thread.path() / "children");
-    all += std::string(std::istreambuf_iterator<char>(file), {});
-  }
-  return all;
 }
 
 VoxelizeRequest Small() {
