@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstring>
 
 namespace latvox::client {
 namespace {
-
-constexpr PlyNames kAxes{"x", "y", "z"};
 
 size_t BytesOf(PlyScalar type) {
   switch (type) {
@@ -39,7 +38,7 @@ struct VertexLayout {
 };
 
 template <class T>
-void Append(const VertexLayout& layout, const char* bytes, uint64_t count, std::vector<Vec3d>& positions) {
+void AppendVertices(const VertexLayout& layout, const char* bytes, uint64_t count, std::vector<Vec3d>& positions) {
   positions.resize(positions.size() + count);
   for (auto to = positions.end() - static_cast<std::ptrdiff_t>(count); to != positions.end(); ++to) {
     for (size_t m = 0; m < 3; ++m) {
@@ -57,7 +56,7 @@ uint64_t ReadVertexArray(const PlyElement& element, PlyBody& body, Mesh& mesh) {
   VertexLayout layout;
   for (const PlyProperty& property : element.properties) {
     if (property.count_type) return 0;
-    if (const auto axis = PositionOf(property, kAxes)) {
+    if (const auto axis = PositionOf(property, kPlyAxes)) {
       layout.at[*axis] = layout.bytes;
       layout.types[*axis] = property.type;
     }
@@ -66,9 +65,9 @@ uint64_t ReadVertexArray(const PlyElement& element, PlyBody& body, Mesh& mesh) {
   const absl::string_view bytes = body.little_endian();
   const uint64_t count = std::min<uint64_t>(element.count, bytes.size() / layout.bytes);
   if (layout.AllAre(PlyScalar::kFloat32)) {
-    Append<float>(layout, bytes.data(), count, mesh.positions);
+    AppendVertices<float>(layout, bytes.data(), count, mesh.positions);
   } else if (layout.AllAre(PlyScalar::kFloat64)) {
-    Append<double>(layout, bytes.data(), count, mesh.positions);
+    AppendVertices<double>(layout, bytes.data(), count, mesh.positions);
   } else {
     return 0;
   }

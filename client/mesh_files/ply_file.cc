@@ -35,13 +35,12 @@ void SkipProperty(const PlyProperty& property, PlyBody& body) {
 }
 
 using Triangle = std::array<uint32_t, 3>;
-constexpr PlyNames kAxes{"x", "y", "z"};
 
 absl::Status ReadVertices(const PlyElement& element, PlyBody& body, Mesh& mesh) {
-  if (const char* axis = Missing(element, kAxes)) return Bad("PLY header: element vertex has no property ", axis);
+  if (const char* axis = Missing(element, kPlyAxes)) return Bad("PLY header: element vertex has no property ", axis);
   PlyColors colors(element);
   std::vector<std::optional<size_t>> axes;  // of each property
-  for (const PlyProperty& property : element.properties) axes.push_back(PositionOf(property, kAxes));
+  for (const PlyProperty& property : element.properties) axes.push_back(PositionOf(property, kPlyAxes));
   for (uint64_t n = colors.exist() ? 0 : ReadVertexArray(element, body, mesh); n < element.count; ++n) {
     body.BeginElement();
     Vec3d position{};

@@ -39,6 +39,7 @@ struct PlyHeader {
 
 // Properties that belong together, such as x, y and z.
 using PlyNames = std::array<const char*, 3>;
+inline constexpr PlyNames kPlyAxes{"x", "y", "z"};
 
 // Returns the index of the property in the names. Lists have none.
 std::optional<size_t> PositionOf(const PlyProperty& property, const PlyNames& names);

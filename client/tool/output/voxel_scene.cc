@@ -11,29 +11,30 @@
 namespace latvox::client {
 namespace {
 
-constexpr int kFarthest = 8;  // bricks
-constexpr size_t kSide = 24;  // bricks of a tile and its neighbors
-using Rows = std::array<std::array<uint32_t, kSide>, kSide>;
+constexpr int kFarthest = 8;    // bricks
+constexpr size_t kAcross = 24;  // bricks of a tile and its neighbors
+using BrickRows = std::array<std::array<uint32_t, kAcross>, kAcross>;
 
 // Adds all bricks that touch one of these.
-void Grow(Rows& rows) {
+void Grow(BrickRows& rows) {
   for (auto& plane : rows) {
     for (uint32_t& row : plane) row |= row << 1 | row >> 1;
     uint32_t before = 0;
-    for (size_t y = 0; y < kSide; ++y) {
+    for (size_t y = 0; y < kAcross; ++y) {
       const uint32_t here = plane[y];
-      plane[y] |= before | (y + 1 < kSide ? plane[y + 1] : 0);
+      plane[y] |= before | (y + 1 < kAcross ? plane[y + 1] : 0);
       before = here;
     }
   }
-  const Rows old = rows;
-  for (size_t x = 0; x < kSide; ++x) {
-    for (size_t y = 0; y < kSide; ++y) rows[x][y] |= (x > 0 ? old[x - 1][y] : 0) | (x + 1 < kSide ? old[x + 1][y] : 0);
+  const BrickRows old = rows;
+  for (size_t x = 0; x < kAcross; ++x) {
+    for (size_t y = 0; y < kAcross; ++y)
+      rows[x][y] |= (x > 0 ? old[x - 1][y] : 0) | (x + 1 < kAcross ? old[x + 1][y] : 0);
   }
 }
 
 // Returns the bricks of the tile in the middle.
-decltype(Brick::mask) Middle(const Rows& rows) {
+decltype(Brick::mask) Middle(const BrickRows& rows) {
   decltype(Brick::mask) tile{};
   for (size_t n = 0; n < 64; ++n) {
     tile[n / 8] |= uint64_t{rows[8 + n / 8][8 + n % 8] >> 8 & 0xFF} << (8 * (n % 8));
@@ -164,7 +165,7 @@ void VoxelScene::Seal() {
     full.push_back(Full(tile));
   }
   const auto around = [this](const Vec3i& tile_ijk, const std::vector<Mask>& bricks) {
-    Rows rows{};
+    BrickRows rows{};
     for (size_t n = 0; n < 27; ++n) {
       const size_t x = n / 9, y = n / 3 % 3, z = n % 3;
       const auto step = [](size_t place) { return static_cast<int32_t>(place) - 1; };
@@ -179,8 +180,8 @@ void VoxelScene::Seal() {
   };
   outer_ = occupied;
   for (const auto& [tile_ijk, number] : tile_numbers_) {
-    if (full[number] != Mask{}) {  // never on a surface
-      Rows rows = around(tile_ijk, full);
+    if (full[number] != Mask{}) {  // rare on a surface
+      BrickRows rows = around(tile_ijk, full);
       for (auto& plane : rows) {
         for (uint32_t& row : plane) row = ~row;
       }
@@ -188,7 +189,7 @@ void VoxelScene::Seal() {
       const Mask near = Middle(rows);
       for (size_t x = 0; x < near.size(); ++x) outer_[number][x] &= near[x];
     }
-    Rows rows = around(tile_ijk, occupied);
+    BrickRows rows = around(tile_ijk, occupied);
     Tile& tile = tiles_[number];
     for (int far = 2; far <= kFarthest; ++far) {
       Grow(rows);
