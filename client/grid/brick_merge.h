@@ -20,15 +20,19 @@ class BrickMerge {
  public:
   using Parts = std::vector<std::unique_ptr<PartFile>>;
 
-  // `disjoint`: a brick in two parts is an error. `progress` gets, from time to time, the number of bricks of the parts
-  // that have been read since the beginning, all passes included.
-  BrickMerge(Parts parts, bool disjoint, const Cancellation& cancellation, std::function<void(uint64_t)> progress);
+  // `disjoint`: a brick in two parts is an error. `progress` gets, from time to time, how often the parts have been
+  // read, such as 1.5 times, and the number of bricks that have been read, all passes included.
+  BrickMerge(Parts parts, bool disjoint, const Cancellation& cancellation,
+             std::function<void(double, uint64_t)> progress);
 
   // Goes back to the place before the first brick.
   void Rewind();
 
-  // Returns the next leaf; null at the end, and on an error. Valid until the next call.
-  const Leaf* Next();
+  // Returns the next brick; null at the end, and on an error. Valid until the next call.
+  const Brick* Next();
+
+  // The bricks of the parts that have been read since the last Rewind.
+  uint64_t read() const { return read_ - read_before_; }
 
   // The first error: of a part (see PartFile); INVALID_ARGUMENT (a brick in two parts); CANCELLED.
   const absl::Status& status() const { return status_; }
@@ -46,11 +50,12 @@ class BrickMerge {
   Parts parts_;
   const bool disjoint_;
   const Cancellation cancellation_;
-  const std::function<void(uint64_t)> progress_;
-  std::vector<const Leaf*> leaves_;  // the next one of each part; null: none is left
+  const std::function<void(double, uint64_t)> progress_;
+  std::vector<const Brick*> bricks_;  // the next one of each part; null: none is left
   std::priority_queue<Head, std::vector<Head>, std::greater<>> heads_;
-  uint64_t read_ = 0;
-  Leaf leaf_;
+  uint64_t read_ = 0, read_before_ = 0;  // bricks, in all passes; in those before this one
+  uint64_t passes_ = 0;                  // that have begun
+  Brick brick_{};
   absl::Status status_;
 };
 

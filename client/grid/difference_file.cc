@@ -5,8 +5,8 @@
 
 #include "client/grid/fill_grid.h"
 #include "client/grid/grid_file.h"
-#include "client/grid/grid_metadata.h"
 #include "client/grid/names_metadata.h"
+#include "client/grid/openvdb_metadata.h"
 #include "client/grid/openvdb_trees.h"
 #include "latvox/grid/openvdb_grid.h"
 
@@ -18,9 +18,10 @@ void DescribeDifference(const GridDifference& difference, const GridTransform& t
                         openvdb::GridBase& grid) {
   grid.setName(name);
   Place(transform, grid);
-  grid.insertMeta("latvox_difference_a", openvdb::StringMetadata(difference.a));
-  grid.insertMeta("latvox_difference_b", openvdb::StringMetadata(difference.b));
-  DescribeNames({{std::begin(kDifferenceNames), std::end(kDifferenceNames)}, {}}, Field::kPart, grid);
+  Metadata metadata = NamesMetadata({{std::begin(kDifferenceNames), std::end(kDifferenceNames)}, {}}, Field::kPart);
+  metadata["latvox_difference_a"] = ToMetadata(difference.a);
+  metadata["latvox_difference_b"] = ToMetadata(difference.b);
+  InsertMetadata(metadata, grid);
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include "client/grid/grid_metadata.h"
 #include "client/grid/metadata_types.h"
 #include "client/grid/nano_file.h"
+#include "client/grid/openvdb_metadata.h"
 #include "client/grid/openvdb_trees.h"
 #include "client/grid/request_metadata.h"
 #include "client/grid/warning_metadata.h"
@@ -63,15 +64,19 @@ absl::Status DistanceGrid::Add(const BrickBatch& batch) try {
 }
 
 void DistanceGrid::SetRequest(const VoxelizeRequest& request, const MeshNote& note) {
-  DescribeRequest(request, note, *content_->grid);
+  InsertMetadata(RequestMetadata(request, note), *content_->grid);
 }
 
-void DistanceGrid::SetCertificate(const Certificate& certificate) { Describe(certificate, *content_->grid); }
+void DistanceGrid::SetCertificate(const Certificate& certificate) {
+  InsertMetadata(CertificateMetadata(certificate), *content_->grid);
+}
 
-void DistanceGrid::SetWarnings(const std::vector<Warning>& warnings) { DescribeWarnings(warnings, *content_->grid); }
+void DistanceGrid::SetWarnings(const std::vector<Warning>& warnings) {
+  InsertMetadata(WarningMetadata(warnings), *content_->grid);
+}
 
 void DistanceGrid::SetMetadata(const std::vector<std::pair<std::string, std::string>>& metadata) {
-  InsertTexts(metadata, *content_->grid);
+  InsertMetadata(TypedMetadata(metadata), *content_->grid);
 }
 
 namespace {

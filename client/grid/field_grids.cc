@@ -10,7 +10,9 @@
 #include "client/grid/metadata_types.h"
 #include "client/grid/names_metadata.h"
 #include "client/grid/nano_file.h"
+#include "client/grid/openvdb_metadata.h"
 #include "client/grid/request_metadata.h"
+#include "client/grid/tree_nodes.h"
 #include "client/grid/warning_metadata.h"
 #include "latvox/grid/openvdb_grid.h"
 #include "latvox/grid/voxel_grid.h"
@@ -75,36 +77,37 @@ absl::Status FieldGrids::Add(const BrickBatch& batch) try {
     begin = end;
   }
   content_->AddLinks(batch);
-  return content_->voxels.Add(batch);
+  AddBricks(batch.bricks, content_->voxels.content().grid->tree());
+  return absl::OkStatus();
 } catch (const std::bad_alloc&) {
   return NotEnoughMemory();
 }
 
 void FieldGrids::SetRequest(const VoxelizeRequest& request, const MeshNote& note) {
   content_->voxels.SetRequest(request, note);
-  for (const openvdb::GridBase::Ptr& grid : content_->grids) DescribeRequest(request, note, *grid);
+  for (const openvdb::GridBase::Ptr& grid : content_->grids) InsertMetadata(RequestMetadata(request, note), *grid);
 }
 
 void FieldGrids::SetNames(const CarriedNames& names) {
   for (const Field field : content_->fields) {
-    DescribeNames(names, field, *content_->voxels.content().grid);
-    for (const openvdb::GridBase::Ptr& grid : content_->grids) DescribeNames(names, field, *grid);
+    InsertMetadata(NamesMetadata(names, field), *content_->voxels.content().grid);
+    for (const openvdb::GridBase::Ptr& grid : content_->grids) InsertMetadata(NamesMetadata(names, field), *grid);
   }
 }
 
 void FieldGrids::SetCertificate(const Certificate& certificate) {
   content_->voxels.SetCertificate(certificate);
-  for (const openvdb::GridBase::Ptr& grid : content_->grids) Describe(certificate, *grid);
+  for (const openvdb::GridBase::Ptr& grid : content_->grids) InsertMetadata(CertificateMetadata(certificate), *grid);
 }
 
 void FieldGrids::SetWarnings(const std::vector<Warning>& warnings) {
   content_->voxels.SetWarnings(warnings);
-  for (const openvdb::GridBase::Ptr& grid : content_->grids) DescribeWarnings(warnings, *grid);
+  for (const openvdb::GridBase::Ptr& grid : content_->grids) InsertMetadata(WarningMetadata(warnings), *grid);
 }
 
 void FieldGrids::SetMetadata(const std::vector<std::pair<std::string, std::string>>& metadata) {
   content_->voxels.SetMetadata(metadata);
-  for (const openvdb::GridBase::Ptr& grid : content_->grids) InsertTexts(metadata, *grid);
+  for (const openvdb::GridBase::Ptr& grid : content_->grids) InsertMetadata(TypedMetadata(metadata), *grid);
 }
 
 absl::Status FieldGrids::Write(const std::string& path) try {

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "client/grid/grid_metadata.h"
+#include "client/grid/openvdb_metadata.h"
 #include "client/internal/voxel_size.h"
 
 namespace latvox::client {

@@ -69,8 +69,8 @@ bool IsAffine(const openvdb::math::Transform& transform);
 // Errors: INVALID_ARGUMENT, with the path: not IsAffine. Throws as it does.
 absl::Status CheckTransform(const openvdb::GridBase& grid, const std::string& path);
 
-// The most voxels in active tiles, which latvox does not write, but other programs make of full bricks. A few bytes of
-// a file could stand for gigabytes of leaves.
+// The most voxels in active tiles of grids with values. latvox does not write such tiles, but other programs do. A few
+// bytes of a file could stand for gigabytes of leaves.
 inline constexpr uint64_t kMaxTileVoxels = uint64_t{1} << 31;
 
 // Returns the leaves with active voxels, in lexicographic order of their corners; active tiles become leaves. Errors:

@@ -11,8 +11,8 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
-#include "client/grid/grid_metadata.h"
 #include "client/grid/grid_reading.h"
+#include "client/grid/openvdb_metadata.h"
 #include "client/grid/tree_nodes.h"
 #include "latvox/for_each_voxel.h"
 

@@ -1,20 +1,22 @@
 #include "latvox/grid/merge.h"
 
 #include <memory>
+#include <sstream>
+#include <stdexcept>
 #include <utility>
 
 #include "client/grid/brick_merge.h"
-#include "client/grid/grid_file.h"
 #include "client/grid/merge_fields.h"
+#include "client/grid/openvdb_metadata.h"
 #include "client/grid/part_file.h"
 #include "client/grid/part_metadata.h"
-#include "client/grid/streamed_tree.h"
+#include "client/grid/voxel_file.h"
 
 namespace latvox::client {
 namespace {
 
 // Survey, topology, buffers.
-constexpr int kPasses = 3;
+constexpr uint64_t kPasses = 3;
 
 absl::StatusOr<BrickMerge::Parts> OpenParts(const std::vector<std::string>& paths) {
   if (paths.empty()) return absl::InvalidArgumentError("no part is given");
@@ -27,12 +29,43 @@ absl::StatusOr<BrickMerge::Parts> OpenParts(const std::vector<std::string>& path
   return parts;
 }
 
-openvdb::GridBase::Ptr MakeGrid(const PartFile& part, const openvdb::MetaMap& metadata, const Digest& digest) {
-  auto grid = openvdb::BoolGrid::create(false);
-  grid->insertMeta(metadata);
-  grid->insertMeta("latvox_digest", openvdb::StringMetadata(digest.ToHex()));
-  grid->setTransform(part.transform());
-  return grid;
+// The tree of all parts, one node of which is in memory.
+class MergedNodes final : public LowerNodes {
+ public:
+  explicit MergedNodes(BrickMerge& bricks) : bricks_(bricks) {}
+
+  void Rewind() override {
+    bricks_.Rewind();
+    brick_ = bricks_.Next();
+    digest_ = Digest();
+  }
+
+  std::shared_ptr<const LowerNode> Next() override {
+    if (!brick_) return nullptr;
+    TreePlace place = PlaceOf(brick_->brick_ijk);
+    const auto node = std::make_shared<LowerNode>(place.upper, place.lower);
+    while (place.upper == node->upper && place.lower == node->number) {
+      node->Add(place.brick, brick_->mask);
+      digest_.Add(*brick_);
+      brick_ = bricks_.Next();
+      if (!brick_) break;
+      place = PlaceOf(brick_->brick_ijk);
+    }
+    return node;
+  }
+
+  const Digest& digest() const { return digest_; }  // of the bricks since Rewind
+
+ private:
+  BrickMerge& bricks_;
+  const Brick* brick_ = nullptr;
+  Digest digest_;
+};
+
+std::string BytesOf(const openvdb::math::Transform& transform) {
+  std::ostringstream bytes;
+  transform.write(bytes);
+  return std::move(bytes).str();
 }
 
 absl::StatusOr<GridContent> ReadWhole(const std::string& path) { return ReadGridContent(path); }
@@ -53,23 +86,24 @@ absl::StatusOr<MergedGrid> MergeParts(const std::vector<std::string>& paths, con
     };
     return MergeFields(*parts, *common, read ? read : &ReadWhole, path, cancellation, show);
   }
-  uint64_t leaves = 0;
-  for (const auto& part : *parts) leaves += part->leaves();
-  const PartFile& first = *parts->front();
-  const double steps = static_cast<double>(kPasses * (leaves + parts->size()));
-  const auto show = [&](uint64_t leaves_read) {
-    if (progress) progress(static_cast<double>(leaves_read) / steps, leaves_read / kPasses);
+  const auto show = [&](double passes, uint64_t bricks) {
+    if (progress) progress(passes / kPasses, bricks / kPasses);
   };
-
+  const std::string transform = BytesOf(*parts->front()->transform());
   BrickMerge bricks(*std::move(parts), common->shards, cancellation, show);
-  const TreeSurvey survey = Survey(bricks);
-  if (!bricks.status().ok()) return bricks.status();
-  const auto grid = MakeGrid(first, common->metadata, survey.digest);
-  grid->setTree(std::make_shared<StreamedTree>(survey, bricks));
-  const absl::Status written = WriteGridFile({grid}, path);
+  MergedNodes nodes(bricks);
+  MergedGrid merged;
+  const auto describe = [&](const VoxelCounts& counts) {
+    if (!bricks.status().ok()) throw std::runtime_error("the parts cannot be read");
+    merged = {counts.voxels, counts.bricks, bricks.read() - counts.bricks, nodes.digest().ToHex()};
+    Metadata metadata = MetadataOf(common->metadata);
+    metadata["latvox_digest"] = ToMetadata(merged.digest);
+    return metadata;
+  };
+  const absl::Status written = WriteVoxelFile(nodes, transform, describe, path);
   if (!bricks.status().ok()) return bricks.status();
   if (!written.ok()) return written;
-  return MergedGrid{survey.voxels, survey.leaves, leaves - survey.leaves, survey.digest.ToHex()};
+  return merged;
 }
 
 }  // namespace latvox::client

@@ -11,21 +11,20 @@
 namespace latvox::client {
 namespace {
 
-// Returns a grid with all metadata that are no texts, so that no second list of them can differ.
-openvdb::BoolGrid::Ptr NewTypedGrid() {
-  auto grid = openvdb::BoolGrid::create();
-  Place({{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {}, 1}, *grid);
+// Returns all metadata that are no texts, so that no second list of them can differ.
+Metadata TypedExamples() {
+  Metadata metadata = PlaceMetadata({{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {}, 1});
   MeshNote note;
   note.alpha_cutoff = 0;
   note.facts.emplace();
-  DescribeRequest({}, note, *grid);
+  metadata.merge(RequestMetadata({}, note));
   Certificate certificate;
   certificate.solid.emplace();
   certificate.walk.emplace();
   certificate.band.emplace();
   for (const Field field : {Field::kDistance, Field::kFraction}) certificate.fields.push_back({field, ""});
-  Describe(certificate, *grid);
-  return grid;
+  metadata.merge(CertificateMetadata(certificate));
+  return metadata;
 }
 
 bool Parse(const std::string& text, bool& value) { return absl::SimpleAtob(text, &value); }
@@ -35,37 +34,32 @@ bool Parse(const std::string& text, Integer& value) {
   return absl::SimpleAtoi(text, &value);
 }
 
-// Returns null if the text is no such value.
+// Returns the text as a value of the type; as a text if it is none.
 template <class Value>
-openvdb::Metadata::Ptr TypedMetadata(const std::string& text) {
+MetadataValue Typed(const std::string& text) {
   Value value{};
-  if (!Parse(text, value)) return nullptr;
-  return std::make_shared<openvdb::TypedMetadata<Value>>(value);
+  return Parse(text, value) ? ToMetadata(value) : ToMetadata(text);
 }
 
-openvdb::Metadata::Ptr TypedMetadata(const openvdb::Metadata* example, const std::string& text) {
-  const std::string type = example == nullptr ? "" : example->typeName();
-  if (type == openvdb::BoolMetadata::staticTypeName()) return TypedMetadata<bool>(text);
-  if (type == openvdb::DoubleMetadata::staticTypeName()) return TypedMetadata<double>(text);
-  if (type == openvdb::Int32Metadata::staticTypeName()) return TypedMetadata<int32_t>(text);
-  if (type == openvdb::Int64Metadata::staticTypeName()) return TypedMetadata<int64_t>(text);
-  return nullptr;
+MetadataValue Typed(const std::string& type, const std::string& text) {
+  if (type == ToMetadata(bool{}).type) return Typed<bool>(text);
+  if (type == ToMetadata(double{}).type) return Typed<double>(text);
+  if (type == ToMetadata(int32_t{}).type) return Typed<int32_t>(text);
+  if (type == ToMetadata(int64_t{}).type) return Typed<int64_t>(text);
+  return ToMetadata(text);
 }
 
 }  // namespace
 
-void InsertTexts(const std::vector<std::pair<std::string, std::string>>& metadata, openvdb::GridBase& grid) {
-  static const openvdb::BoolGrid::ConstPtr examples = NewTypedGrid();
-  for (const auto& [name, text] : metadata) {
+Metadata TypedMetadata(const std::vector<std::pair<std::string, std::string>>& texts) {
+  static const auto* const examples = new Metadata(TypedExamples());
+  Metadata metadata;
+  for (const auto& [name, text] : texts) {
     if (!absl::StartsWith(name, "latvox_")) continue;
-    const openvdb::Metadata::ConstPtr example = (*examples)[name];
-    const openvdb::Metadata::Ptr typed = TypedMetadata(example.get(), text);
-    if (typed) {
-      grid.insertMeta(name, *typed);
-    } else {
-      grid.insertMeta(name, openvdb::StringMetadata(text));
-    }
+    const auto example = examples->find(name);
+    metadata[name] = example == examples->end() ? ToMetadata(text) : Typed(example->second.type, text);
   }
+  return metadata;
 }
 
 }  // namespace latvox::client

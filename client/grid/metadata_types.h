@@ -1,4 +1,4 @@
-// Metadata of our grids from text, with their types. Includes OpenVDB's headers. Internal to latvox::grid.
+// Metadata of our grids from text, with their types. Internal to latvox::grid and the tool.
 #ifndef LATVOX_CLIENT_GRID_METADATA_TYPES_H_
 #define LATVOX_CLIENT_GRID_METADATA_TYPES_H_
 
@@ -6,14 +6,14 @@
 #include <utility>
 #include <vector>
 
-#include "client/grid/openvdb_trees.h"
+#include "client/grid/metadata.h"
 
 namespace latvox::client {
 
-// Writes the metadata latvox_..., whose texts are those of MetadataText, with the types that our grids give these
+// Returns the metadata latvox_..., whose texts are those of MetadataText, with the types that our grids give these
 // names. Other names, and texts that are no values of the type, become texts. Ignores metadata of OpenVDB and other
 // programs.
-void InsertTexts(const std::vector<std::pair<std::string, std::string>>& metadata, openvdb::GridBase& grid);
+Metadata TypedMetadata(const std::vector<std::pair<std::string, std::string>>& texts);
 
 }  // namespace latvox::client
 

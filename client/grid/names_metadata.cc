@@ -7,15 +7,16 @@
 
 namespace latvox::client {
 
-void DescribeNames(const CarriedNames& names, Field attribute, openvdb::GridBase& grid) {
+Metadata NamesMetadata(const CarriedNames& names, Field attribute) {
   for (const auto& [named, key] : kNamesKeys) {
     std::vector<std::string> kept = names.Of(attribute);
     if (named != attribute || kept.empty()) continue;
     kept.resize(std::min(kept.size(), kMostNames));
     const nlohmann::json json = kept;
     // Names of files need not be UTF-8.
-    grid.insertMeta(key, openvdb::StringMetadata(json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)));
+    return {{key, ToMetadata(json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace))}};
   }
+  return {};
 }
 
 }  // namespace latvox::client

@@ -8,11 +8,11 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "client/grid/grid_metadata.h"
 #include "client/grid/metadata_types.h"
 #include "client/grid/nano_codec.h"
 #include "client/grid/nano_facts.h"
 #include "client/grid/nano_frame.h"
+#include "client/grid/openvdb_metadata.h"
 #include "client/internal/printable.h"
 
 namespace latvox::client {
@@ -110,7 +110,7 @@ void DescribeNano(const std::string& name, const nanovdb::GridData& data,
   grid.setName(name);
   grid.setTransform(MakeTransform(NanoTransform(data)));
   if (data.mGridClass == nanovdb::GridClass::LevelSet) grid.setGridClass(openvdb::GRID_LEVEL_SET);
-  InsertTexts(metadata, grid);
+  InsertMetadata(TypedMetadata(metadata), grid);
 }
 
 }  // namespace latvox::client

@@ -1,17 +1,15 @@
 #include "client/grid/nano_file.h"
 
-#include <cerrno>
 #include <cstring>
-#include <exception>
 #include <fstream>
-#include <new>
 #include <string>
 #include <utility>
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
-#include "client/grid/grid_metadata.h"
 #include "client/grid/nano_facts.h"
+#include "client/grid/new_file.h"
+#include "client/grid/openvdb_metadata.h"
 #if LATVOX_NANOVDB_OF_OPENVDB_12
 #define NANOVDB_USE_OPENVDB
 #include <nanovdb/tools/CreateNanoGrid.h>
@@ -93,27 +91,12 @@ nanovdb::GridHandle<> WithText(const nanovdb::GridHandle<>& plain, const std::st
 }  // namespace
 
 absl::Status WriteNanoFile(const openvdb::GridCPtrVec& grids, const std::string& path, const LateGrids& late) {
-  const auto cannot = [&path](const char* why) {
-    return absl::UnknownError(absl::StrCat(path, ": cannot be written (", why, ")"));
-  };
-  try {
-    std::ofstream file;
-    // NanoVDB does not check whether its stream took everything.
-    file.exceptions(std::ios::failbit | std::ios::badbit);
-    errno = 0;
-    file.open(path, std::ios::binary | std::ios::trunc);
+  // NanoVDB does not check whether its stream took everything; this one throws.
+  return WriteNewFile(path, [&](std::ofstream& file) {
     ForEachGrid(grids, late, [&file](const openvdb::GridBase::ConstPtr& grid) {
       nanovdb::io::writeGrid(file, WithText(Converted(*grid), TextOf(*grid)), nanovdb::io::Codec::NONE);
     });
-    file.close();
-    return absl::OkStatus();
-  } catch (const std::ios_base::failure&) {
-    return cannot(std::strerror(errno));
-  } catch (const std::bad_alloc&) {
-    return absl::ResourceExhaustedError(absl::StrCat(path, ": not enough memory to write the grid"));
-  } catch (const std::exception& error) {
-    return cannot(error.what());
-  }
+  });
 }
 
 }  // namespace latvox::client

@@ -65,18 +65,24 @@ void PartFile::Rewind() {
   read_ = 0;
   place_.reset();
   digest_ = Digest();
-  file_.seekg(static_cast<std::streamoff>(frame_.leaves_at));
+  if (frame_.tree) Guard([this] { frame_.tree->Rewind(); });
 }
 
-const Leaf* PartFile::Next() {
-  if (!status_.ok()) return nullptr;
+double PartFile::share() const {
+  const uint64_t size = frame_.tree->size();
+  return size == 0 ? 1 : static_cast<double>(frame_.tree->read()) / static_cast<double>(size);
+}
+
+const Brick* PartFile::Next() {
+  bool is_there = false;
+  if (status_.ok()) Guard([&] { is_there = ReadBrick(); });
+  return is_there ? &brick_ : nullptr;
+}
+
+template <class Read>
+void PartFile::Guard(const Read& read) {
   try {
-    if (read_ == frame_.leaves) {
-      CheckDigest();
-      return nullptr;
-    }
-    ReadLeaf();
-    return &leaf_;
+    read();
   } catch (const std::bad_alloc&) {
     status_ = absl::ResourceExhaustedError(absl::StrCat(path_, ": not enough memory to read it"));
   } catch (const std::ios_base::failure&) {
@@ -84,26 +90,22 @@ const Leaf* PartFile::Next() {
   } catch (const std::exception& error) {
     status_ = absl::InvalidArgumentError(absl::StrCat(path_, ": ", Printable(error.what())));
   }
-  return nullptr;
 }
 
-void PartFile::ReadLeaf() {
-  if (frame_.is_nano) {
-    ReadNanoLeaf(file_, leaf_);
-  } else {
-    ReadVdbLeaf(file_, leaf_);
+// Returns false at the end.
+bool PartFile::ReadBrick() {
+  if (!frame_.tree->Next(brick_)) {
+    CheckDigest();
+    return false;
   }
   ++read_;
-  const TreePlace place = PlaceOf(leaf_.origin());
-  const bool mask_is_values =
-      std::memcmp(leaf_.buffer().data(), &leaf_.getValueMask().getWord<openvdb::Index64>(0), sizeof(Brick::mask)) == 0;
-  const bool aligned = (leaf_.origin() & int32_t{Leaf::DIM - 1}) == openvdb::Coord(0);
-  if (!mask_is_values || !aligned || leaf_.isEmpty() || (place_ && place <= *place_)) {
-    throw std::runtime_error(
-        absl::StrCat("is damaged: brick ", read_, " of ", frame_.leaves, " is not as latvox wrote it"));
+  const TreePlace place = PlaceOf(brick_.brick_ijk);
+  if (brick_.mask == BrickMask{} || (place_ && place <= *place_)) {
+    throw std::runtime_error(absl::StrCat("is damaged: brick ", read_, " is not as latvox wrote it"));
   }
   place_ = place;
-  digest_.Add(ToBrick(leaf_));
+  digest_.Add(brick_);
+  return true;
 }
 
 void PartFile::CheckDigest() {

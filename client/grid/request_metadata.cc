@@ -117,15 +117,16 @@ std::string RequestText(const VoxelizeRequest& request, const MeshNote& note) {
   return json.dump();
 }
 
-void DescribeRequest(const VoxelizeRequest& request, const MeshNote& note, openvdb::GridBase& grid) {
-  grid.insertMeta("latvox_request", openvdb::StringMetadata(RequestText(request, note)));
-  if (request.region) grid.insertMeta("latvox_region", openvdb::StringMetadata(Corners(*request.region)));
-  if (request.bounds) grid.insertMeta("latvox_bounds", openvdb::StringMetadata(Corners(*request.bounds)));
-  if (note.alpha_cutoff) grid.insertMeta("latvox_alpha_cutoff", openvdb::DoubleMetadata(*note.alpha_cutoff));
+Metadata RequestMetadata(const VoxelizeRequest& request, const MeshNote& note) {
+  Metadata metadata = {{"latvox_request", ToMetadata(RequestText(request, note))}};
+  if (request.region) metadata["latvox_region"] = ToMetadata(Corners(*request.region));
+  if (request.bounds) metadata["latvox_bounds"] = ToMetadata(Corners(*request.bounds));
+  if (note.alpha_cutoff) metadata["latvox_alpha_cutoff"] = ToMetadata(double{*note.alpha_cutoff});
   if (const auto& facts = note.facts) {
-    grid.insertMeta("latvox_mesh_triangles", openvdb::Int64Metadata(static_cast<int64_t>(facts->triangles)));
-    grid.insertMeta("latvox_mesh_box", openvdb::StringMetadata(Corners(WorldBox{facts->min, facts->max})));
+    metadata["latvox_mesh_triangles"] = ToMetadata(static_cast<int64_t>(facts->triangles));
+    metadata["latvox_mesh_box"] = ToMetadata(Corners(WorldBox{facts->min, facts->max}));
   }
+  return metadata;
 }
 
 }  // namespace latvox::client

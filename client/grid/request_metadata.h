@@ -1,10 +1,10 @@
-// The request in the metadata of our grids. Internal to latvox::grid.
+// The request in the metadata of our grids. Internal to latvox::grid and the tool.
 #ifndef LATVOX_CLIENT_GRID_REQUEST_METADATA_H_
 #define LATVOX_CLIENT_GRID_REQUEST_METADATA_H_
 
 #include <string>
 
-#include "client/grid/openvdb_trees.h"
+#include "client/grid/metadata.h"
 #include "latvox/types.h"
 
 namespace latvox::client {
@@ -13,9 +13,9 @@ namespace latvox::client {
 // describes the whole, but not the part of it, nor the encoding of voxels.
 std::string RequestText(const VoxelizeRequest& request, const MeshNote& note);
 
-// Writes the metadata latvox_request, RequestText; and, if the request or the note has them, latvox_region,
+// Returns the metadata latvox_request, RequestText; and, if the request or the note has them, latvox_region,
 // latvox_bounds and latvox_mesh_box, six numbers each, and latvox_mesh_triangles.
-void DescribeRequest(const VoxelizeRequest& request, const MeshNote& note, openvdb::GridBase& grid);
+Metadata RequestMetadata(const VoxelizeRequest& request, const MeshNote& note);
 
 }  // namespace latvox::client
 

@@ -1,34 +1,18 @@
-// The nodes of OpenVDB's BoolTree, and a brick as a leaf of it. Includes OpenVDB's headers. Internal to latvox::grid.
+// A brick as a leaf of OpenVDB's BoolTree. Includes OpenVDB's headers. Internal to latvox::grid.
 #ifndef LATVOX_CLIENT_GRID_TREE_NODES_H_
 #define LATVOX_CLIENT_GRID_TREE_NODES_H_
 
 #include <array>
-#include <compare>
 #include <span>
 
+#include "client/grid/brick_tree.h"
 #include "client/grid/openvdb_trees.h"
 #include "latvox/types.h"
 
 namespace latvox::client {
 
-using Upper = openvdb::BoolTree::RootNodeType::ChildNodeType;  // 4096^3 voxels, a child of the root
-using Lower = Upper::ChildNodeType;                            // 128^3 voxels
-using Leaf = openvdb::BoolTree::LeafNodeType;                  // 8^3 voxels: a brick
-static_assert(Upper::DIM == 4096 && Lower::DIM == 128);
+using Leaf = openvdb::BoolTree::LeafNodeType;
 static_assert(Leaf::LOG2DIM == 3 && Leaf::NodeMaskType::WORD_COUNT == 8, "a brick is a leaf");
-
-// The place of a leaf in its tree, ordered like OpenVDB's iteration, which is also the order of writing.
-struct TreePlace {
-  Vec3i upper{};       // low corner of the node of 4096^3 voxels
-  uint32_t lower = 0;  // the child's number in that node
-  uint32_t leaf = 0;   // the child's number in that node
-  auto operator<=>(const TreePlace&) const = default;
-};
-
-inline TreePlace PlaceOf(const openvdb::Coord& ijk) {
-  const openvdb::Coord upper = ijk & ~static_cast<int32_t>(Upper::DIM - 1);
-  return {{upper[0], upper[1], upper[2]}, Upper::coordToOffset(ijk), Lower::coordToOffset(ijk)};
-}
 
 // Adds the voxels of a mask. A leaf's value mask and its boolean values are the same 512 bits, in the order of a
 // brick's words.
@@ -45,6 +29,19 @@ inline void AddBricks(std::span<const Brick> bricks, openvdb::BoolTree& to) {
   for (const Brick& brick : bricks) {
     const openvdb::Coord corner(brick.brick_ijk[0] * 8, brick.brick_ijk[1] * 8, brick.brick_ijk[2] * 8);
     AddMask(brick.mask, *tree.touchLeaf(corner));
+  }
+}
+
+// Does the same, but full bricks are tiles.
+inline void AddBricksAndTiles(std::span<const Brick> bricks, openvdb::BoolTree& to) {
+  openvdb::tree::ValueAccessor<openvdb::BoolTree> tree(to);
+  for (const Brick& brick : bricks) {
+    const openvdb::Coord corner(brick.brick_ijk[0] * 8, brick.brick_ijk[1] * 8, brick.brick_ijk[2] * 8);
+    if (brick.mask == kFullBrick) {
+      tree.addTile(/*level=*/1, corner, /*value=*/true, /*state=*/true);
+    } else {
+      AddMask(brick.mask, *tree.touchLeaf(corner));
+    }
   }
 }
 

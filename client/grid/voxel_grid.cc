@@ -1,11 +1,11 @@
 #include "latvox/grid/voxel_grid.h"
 
+#include <openvdb/tools/Prune.h>
+
 #include <algorithm>
-#include <cmath>
 #include <new>
 
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "client/grid/grid_file.h"
 #include "client/grid/grid_metadata.h"
@@ -14,15 +14,48 @@
 #include "client/grid/metadata_types.h"
 #include "client/grid/nano_file.h"
 #include "client/grid/open_file.h"
+#include "client/grid/openvdb_metadata.h"
 #include "client/grid/request_metadata.h"
 #include "client/grid/tree_nodes.h"
 #include "client/grid/warning_metadata.h"
 #include "client/internal/printable.h"
-#include "latvox/error.h"
 #include "latvox/grid/openvdb_grid.h"
 
 namespace latvox::client {
 namespace {
+
+// The most voxels in active tiles. A few bytes of a file could stand for gigabytes of bricks.
+constexpr uint64_t kMostTileVoxels = uint64_t{1} << 34;
+
+// Calls visit(brick_ijk) for each brick of active tiles.
+template <class Visit>
+void ForEachTileBrick(const openvdb::BoolTree& tree, const Visit& visit) {
+  auto tile = tree.cbeginValueOn();
+  tile.setMaxDepth(openvdb::BoolTree::ValueOnCIter::LEAF_DEPTH - 1);
+  for (; tile; ++tile) {
+    openvdb::CoordBBox box;
+    tile.getBoundingBox(box);
+    const openvdb::CoordBBox bricks(box.min() >> Leaf::LOG2DIM, box.max() >> Leaf::LOG2DIM);
+    for (auto ijk = bricks.begin(); ijk; ++ijk) visit(Vec3i{(*ijk)[0], (*ijk)[1], (*ijk)[2]});
+  }
+}
+
+// Returns the bricks in lexicographic order; those of active tiles are full. Errors: INVALID_ARGUMENT, with the path.
+absl::StatusOr<std::vector<Brick>> SortedBricks(const openvdb::BoolTree& tree, const std::string& path) {
+  const uint64_t voxels = tree.activeVoxelCount() - tree.activeLeafVoxelCount();
+  if (voxels > kMostTileVoxels) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(path, ": has active tiles of ", voxels, " voxels, more than ", kMostTileVoxels));
+  }
+  std::vector<Brick> bricks;
+  bricks.reserve(tree.leafCount() + voxels / Leaf::SIZE);
+  for (auto leaf = tree.cbeginLeaf(); leaf; ++leaf) {
+    if (!leaf->isEmpty()) bricks.push_back(ToBrick(*leaf));
+  }
+  if (voxels > 0) ForEachTileBrick(tree, [&bricks](const Vec3i& ijk) { bricks.push_back({ijk, kFullBrick}); });
+  std::ranges::sort(bricks, {}, &Brick::brick_ijk);
+  return bricks;
+}
 
 absl::StatusOr<GridFile> Content(const openvdb::GridBase::Ptr& first, const std::string& path) {
   const auto grid = openvdb::gridPtrCast<openvdb::BoolGrid>(first);
@@ -33,12 +66,9 @@ absl::StatusOr<GridFile> Content(const openvdb::GridBase::Ptr& first, const std:
                      "\"distance\". Write the mask of the grid as a bool grid, or give the distances that name"));
   }
   if (auto status = CheckTransform(*grid, path); !status.ok()) return status;
-  const auto leaves = SortedLeaves(grid->tree(), path);
-  if (!leaves.ok()) return leaves.status();
-  GridFile file{Describe(*grid), {}};
-  file.bricks.reserve(leaves->size());
-  for (const Leaf* leaf : *leaves) file.bricks.push_back(ToBrick(*leaf));
-  return file;
+  auto bricks = SortedBricks(grid->tree(), path);
+  if (!bricks.ok()) return bricks.status();
+  return GridFile{Describe(*grid), *std::move(bricks)};
 }
 
 // Returns the name of the grid that is read. Other grids may stand before it, because of their names.
@@ -48,19 +78,6 @@ absl::StatusOr<std::string> SetName(const GridArchive& archive, const std::strin
 }
 
 }  // namespace
-
-absl::Status CheckGridTransform(const GridTransform& transform) try {
-  MakeTransform(transform);
-  return absl::OkStatus();
-} catch (const openvdb::ArithmeticError& error) {
-  const std::string value = absl::StrFormat("%.6g", transform.voxel_size);
-  const std::string limit = absl::StrFormat("%.6g", std::cbrt(3 * openvdb::math::Tolerance<double>::value()));
-  absl::Status status =
-      absl::InvalidArgumentError(absl::StrCat("voxel_size ", value, " is below ", limit,
-                                              ", the least that a .vdb file's transform takes (", error.what(), ")"));
-  SetErrorDetails({"VOXEL_SIZE_OUT_OF_RANGE", "voxel_size", value, limit, std::nullopt}, status);
-  return status;
-}
 
 VoxelGrid::VoxelGrid(const GridTransform& transform) : content_(std::make_unique<Content>()) {
   openvdb::initialize();
@@ -75,29 +92,39 @@ VoxelGrid& VoxelGrid::operator=(VoxelGrid&&) noexcept = default;
 VoxelGrid::~VoxelGrid() = default;
 
 absl::Status VoxelGrid::Add(const BrickBatch& batch) try {
-  AddBricks(batch.bricks, content_->grid->tree());
+  AddBricksAndTiles(batch.bricks, content_->grid->tree());
   return absl::OkStatus();
 } catch (const std::bad_alloc&) {
   return absl::ResourceExhaustedError("not enough memory for the OpenVDB grid");
 }
 
 void VoxelGrid::SetRequest(const VoxelizeRequest& request, const MeshNote& note) {
-  DescribeRequest(request, note, *content_->grid);
+  InsertMetadata(RequestMetadata(request, note), *content_->grid);
 }
 
-void VoxelGrid::SetCertificate(const Certificate& certificate) { Describe(certificate, *content_->grid); }
+void VoxelGrid::SetCertificate(const Certificate& certificate) {
+  InsertMetadata(CertificateMetadata(certificate), *content_->grid);
+}
 
-void VoxelGrid::SetWarnings(const std::vector<Warning>& warnings) { DescribeWarnings(warnings, *content_->grid); }
+void VoxelGrid::SetWarnings(const std::vector<Warning>& warnings) {
+  InsertMetadata(WarningMetadata(warnings), *content_->grid);
+}
 
 void VoxelGrid::SetMetadata(const std::vector<std::pair<std::string, std::string>>& metadata) {
-  InsertTexts(metadata, *content_->grid);
+  InsertMetadata(TypedMetadata(metadata), *content_->grid);
 }
 
 uint64_t VoxelGrid::CountActiveVoxels() const { return content_->grid->activeVoxelCount(); }
 
-absl::Status VoxelGrid::Write(const std::string& path) const { return WriteGridFile({content_->grid}, path); }
+absl::Status VoxelGrid::Write(const std::string& path) const {
+  openvdb::tools::prune(content_->grid->tree());
+  return WriteGridFile({content_->grid}, path);
+}
 
-absl::Status VoxelGrid::WriteNano(const std::string& path) const { return WriteNanoFile({content_->grid}, path); }
+absl::Status VoxelGrid::WriteNano(const std::string& path) const {
+  openvdb::tools::prune(content_->grid->tree());
+  return WriteNanoFile({content_->grid}, path);
+}
 
 absl::StatusOr<GridFileInfo> ReadGridFileInfo(std::istream& in, const std::string& path) {
   return WithArchive(in, path, [&](GridArchive& archive) -> absl::StatusOr<GridFileInfo> {

@@ -13,13 +13,13 @@ std::string TextOf(const Json& list) { return list.dump(-1, ' ', false, Json::er
 
 }  // namespace
 
-void DescribeWarnings(const std::vector<Warning>& warnings, openvdb::MetaMap& metadata) {
-  if (warnings.empty()) return;
+Metadata WarningMetadata(const std::vector<Warning>& warnings) {
+  if (warnings.empty()) return {};
   Json list = Json::array();
   for (const auto& [code, message, element] : warnings) {
     list.push_back({{"code", code}, {"message", message}, {"element", element}});
   }
-  metadata.insertMeta(kWarningsName, openvdb::StringMetadata(TextOf(list)));
+  return {{kWarningsName, ToMetadata(TextOf(list))}};
 }
 
 std::string JoinedWarnings(const std::vector<std::string>& texts) {

@@ -227,10 +227,11 @@ class Failures(MergeCase):
             self.bad(self.dir / "packed.nvdb", b, code=BAD_INPUT, says="packed.nvdb: .*it is compressed, .*latvox convert")
 
     def flipped(self, path):
-        """Returns the same file with one more voxel in its last brick: mask and value."""
+        """Returns the same file with one voxel more, or less, in its last brick."""
         data = bytearray(path.read_bytes())
-        for at in (len(data) - 140, len(data) - 64):
-            data[at] ^= 1
+        name = b"Tree_bool_5_4_3"
+        (leaves,) = struct.unpack_from("<q", data, data.index(name) + len(name) + 4 + 8)
+        data[leaves - 64] ^= 1
         flipped = self.dir / "flipped.vdb"
         flipped.write_bytes(data)
         return flipped

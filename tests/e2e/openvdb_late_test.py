@@ -31,13 +31,15 @@ class Late(Case):
             self.assertEqual(openvdb(libraries), set(), words)
 
     def test_other_files_are_written_without_openvdb(self):
-        for out in "a.npz", "a.csv", "a.png", "a.glb", "a.nrrd", "a.vti":
+        for out in "a.vdb", "a.npz", "a.csv", "a.png", "a.glb", "a.nrrd", "a.vti", "a.h5":
             words = "voxelize", BUNNY, "--resolution", "16", "-o", self.dir / out
             self.assertEqual(openvdb(loaded(*words)), set(), out)
 
-    def test_grids_are_written_and_read_by_it(self):
+    def test_grids_are_read_and_those_of_fields_written_by_it(self):
         path = self.dir / "a.vdb"
-        self.assertEqual(len(openvdb(loaded("voxelize", BUNNY, "--resolution", "16", "-o", path))), 2)
+        words = "voxelize", BUNNY, "--resolution", "16", "-o"
+        for out in [self.dir / "a.nvdb"], [path, "--fields", "triangle"]:
+            self.assertEqual(len(openvdb(loaded(*words, *out))), 2)
         self.assertEqual(latvox("info", path).returncode, 0)
 
     def test_the_module_has_no_protocol(self):
@@ -76,10 +78,9 @@ class Missing(Case):
         self.voxelize(BUNNY, "--resolution", "17", out=other.name)
         before = sorted(self.dir.iterdir())
         for words in (
-            ["voxelize", BUNNY, "--resolution", "16", "-o", self.dir / "a.vdb"],
+            ["voxelize", BUNNY, "--resolution", "16", "--fields", "triangle", "-o", self.dir / "a.vdb"],
             ["voxelize", BUNNY, "--resolution", "16", "-o", self.dir / "a.nvdb"],
             ["voxelize", BUNNY, "--resolution", "16", "-o", self.dir / "a.html"],
-            ["voxelize", BUNNY, "--resolution", "16", "-o", self.dir / "a.h5"],
             ["info", whole],
             ["convert", whole, "-o", self.dir / "a.csv"],
             ["compare", whole, other, "-o", self.dir / "a.vdb"],
@@ -90,12 +91,14 @@ class Missing(Case):
             self.assertEqual(sorted(self.dir.iterdir()), before, words)
 
     def test_other_files_need_no_module(self):
-        done = self.run_copy("voxelize", BUNNY, "--resolution", "16", "-o", self.dir / "a.npz")
-        self.assertEqual((done.returncode, (self.dir / "a.npz").exists()), (0, True), done.stderr)
+        for out in self.dir / "a.npz", self.dir / "a.vdb":
+            done = self.run_copy("voxelize", BUNNY, "--resolution", "16", "-o", out)
+            self.assertEqual((done.returncode, out.exists()), (0, True), done.stderr)
 
     def test_the_module_is_found_where_it_is_installed(self):
         path = self.dir / "a.vdb"
-        (module,) = re.findall(r"^latvox: (/\S+): no such file", self.refused("voxelize", BUNNY, "-o", path))
+        line = self.refused("voxelize", BUNNY, "--fields", "triangle", "-o", path)
+        (module,) = re.findall(r"^latvox: (/\S+): no such file", line)
         pathlib.Path(module).parent.mkdir(parents=True)
         shutil.copy(BIN / MODULE, module)
         self.assertEqual(self.run_copy("voxelize", BUNNY, "--resolution", "16", "-o", path).returncode, 0)
@@ -105,7 +108,7 @@ class Missing(Case):
         whole = self.dir / "whole.vdb"
         self.voxelize(BUNNY, "--resolution", "16", out=whole.name)
         (self.bin / MODULE).write_text("no library")
-        for words in ["info", whole], ["voxelize", BUNNY, "-o", self.dir / "a.vdb"]:
+        for words in ["info", whole], ["voxelize", BUNNY, "-o", self.dir / "a.nvdb"]:
             self.assertIn(f"bin/{MODULE}: cannot be loaded (", self.refused(*words))
 
 

@@ -45,7 +45,7 @@ latvox_add_test(client_scene_test SOURCES unit/client/tool/output/scene_test.cc 
 latvox_add_test(client_grid_test SOURCES unit/client/grid/grid_test.cc unit/client/grid/grid_reading_test.cc
                 LIBRARIES latvox::grid latvox::openvdb_trees GTest::gmock)
 latvox_add_test(client_grid_frame_test SOURCES unit/client/grid/grid_frame_test.cc LIBRARIES latvox::grid GTest::gmock)
-foreach(name content_join_test link_grids_test merge_test merge_errors_test)
+foreach(name content_join_test link_grids_test merge_test merge_errors_test voxel_file_test)
   latvox_add_test(client_${name} SOURCES unit/client/grid/${name}.cc
                   LIBRARIES latvox::grid latvox::openvdb_trees GTest::gmock)
 endforeach()

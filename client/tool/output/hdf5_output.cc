@@ -9,11 +9,11 @@
 #include <optional>
 
 #include "absl/strings/str_cat.h"
+#include "client/grid/metadata_texts.h"
 #include "client/tool/hdf5/descriptor_driver.h"
 #include "client/tool/hdf5/hdf5_attribute.h"
 #include "client/tool/hdf5/hdf5_rows.h"
 #include "client/tool/output/link_rows.h"
-#include "client/tool/vdb/vdb.h"
 #include "latvox/for_each_voxel.h"
 
 namespace latvox::client {
@@ -27,9 +27,7 @@ bool IsOfPlace(const std::string& name) {
 class Hdf5Output final : public Output {
  public:
   Hdf5Output(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request, const OutputOptions& options)
-      : target_(std::move(file)), request_(request), note_(options.note), metadata_(options.metadata) {
-    if (!metadata_) static_cast<void>(Vdb::Prepare());  // Begin tells the error
-  }
+      : target_(std::move(file)), request_(request), note_(options.note), metadata_(options.metadata) {}
   ~Hdf5Output() override { Close(); }
   Hdf5Output(const Hdf5Output&) = delete;
   Hdf5Output& operator=(const Hdf5Output&) = delete;
@@ -42,11 +40,6 @@ class Hdf5Output final : public Output {
       return absl::Status(library.status().code(), absl::StrCat(target_->target(), ": ", library.status().message()));
     }
     hdf5_ = *library;
-    if (!metadata_) {
-      const auto vdb = Vdb::Load();
-      if (!vdb.ok()) return vdb.status();
-      vdb_ = *vdb;
-    }
     grid_ = accepted.grid;
     note_.facts = accepted.mesh;
     request_.placement = accepted.placement;  // the metadata state it, whatever a later version's default is
@@ -177,7 +170,7 @@ class Hdf5Output final : public Output {
                 root.Write("voxel_size", grid_.voxel_size) && root.Write("basis", steps) &&
                 root.Write("origin", grid_.origin);
     if (const auto& box = box_.box()) good = good && root.Write("index_box", std::array{box->min, box->max});
-    const auto texts = metadata_ ? *metadata_ : vdb_->Texts(request_, note_, names_, summary);
+    const auto texts = metadata_ ? *metadata_ : MetadataTexts(request_, note_, names_, summary);
     for (const auto& [name, text] : texts) {
       if (!IsOfPlace(name)) good = good && root.Write(name, text);
     }
@@ -190,7 +183,6 @@ class Hdf5Output final : public Output {
   const std::optional<MetadataPairs> metadata_;
   CarriedNames names_;
   const Hdf5* hdf5_ = nullptr;
-  const Vdb* vdb_ = nullptr;  // without metadata_, for those of a grid
   int fd_ = -1, error_ = 0;
   GridTransform grid_;
   VoxelBox box_;

@@ -26,7 +26,7 @@ namespace latvox::client {
 //     voxel, neighbor       uint64, L: row of its voxel; uint8, L: row of `neighbors`
 //     ijk                   int32, L x 3: lattice coordinates of its voxel
 //     share, triangle, crossings   float32, int32, int32, L: one for each of the fields
-// Memory: less than 2 MB for each array. Errors: FAILED_PRECONDITION: see Hdf5::Load, Vdb::Load.
+// Memory: less than 2 MB for each array. Errors: FAILED_PRECONDITION: see Hdf5::Load.
 //   metadata   nothing: those of request, note and summary
 std::unique_ptr<Output> NewHdf5Output(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request,
                                       const OutputOptions& options);

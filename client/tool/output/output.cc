@@ -26,15 +26,21 @@
 #include "client/tool/output/vox_output.h"
 #include "client/tool/output/voxel_colors.h"
 #include "client/tool/output/vtk_output.h"
+#include "client/tool/vdb/brick_grid.h"
 #include "client/tool/vdb/vdb.h"
 #include "latvox/error.h"
 
 namespace latvox::client {
 namespace {
 
+// A set of voxels alone is written without OpenVDB.
+bool NeedsOpenVdb(VdbFormat format, const std::vector<Field>& fields) {
+  return format != VdbFormat::kOpenVdb || !fields.empty();
+}
+
 class GridOutput final : public Output {
  public:
-  using NewGrid = std::function<Vdb::NewGrid(const Vdb&, const Accepted&)>;
+  using NewGrid = std::function<Vdb::NewGrid(const Vdb*, const Accepted&)>;  // null if NeedsOpenVdb is false
 
   GridOutput(std::unique_ptr<AtomicFile> file, VdbFormat format, const VoxelizeRequest& request,
              const OutputOptions& options, NewGrid new_grid)
@@ -47,9 +53,13 @@ class GridOutput final : public Output {
 
   void SetNames(const CarriedNames& names) override { names_ = names; }
   absl::Status Begin(const Accepted& accepted) override {
-    const auto vdb = Vdb::Load();
-    if (!vdb.ok()) return vdb.status();
-    auto grid = new_grid_(**vdb, accepted);
+    const Vdb* loaded = nullptr;
+    if (NeedsOpenVdb(format_, request_.fields)) {
+      const auto vdb = Vdb::Load();
+      if (!vdb.ok()) return vdb.status();
+      loaded = *vdb;
+    }
+    auto grid = new_grid_(loaded, accepted);
     if (!grid.ok()) return Named(grid.status());
     grid_ = *std::move(grid);
     note_.facts = accepted.mesh;
@@ -88,27 +98,29 @@ class GridOutput final : public Output {
 };
 
 // Returns what makes the grid of a file. A band with distances alone is a level set, as far as it is one.
-GridOutput::NewGrid NewGridFor(const VoxelizeRequest& request) {
+GridOutput::NewGrid NewGridFor(VdbFormat format, const VoxelizeRequest& request) {
   const std::vector<Field>& fields = request.fields;
-  if (fields.empty()) return [](const Vdb& vdb, const Accepted& accepted) { return vdb.NewVoxelGrid(accepted.grid); };
+  if (!NeedsOpenVdb(format, fields))
+    return [](const Vdb*, const Accepted& accepted) { return NewBrickGrid(accepted.grid); };
+  if (fields.empty()) return [](const Vdb* vdb, const Accepted& accepted) { return vdb->NewVoxelGrid(accepted.grid); };
   const auto* const band = std::get_if<Band>(&request.set);
   if (band == nullptr || fields != std::vector<Field>{Field::kDistance}) {
-    return [fields](const Vdb& vdb, const Accepted& accepted) {
-      return vdb.NewFieldGrids(accepted.grid, fields, accepted.fraction_labels, accepted.neighbors);
+    return [fields](const Vdb* vdb, const Accepted& accepted) {
+      return vdb->NewFieldGrids(accepted.grid, fields, accepted.fraction_labels, accepted.neighbors);
     };
   }
   const bool whole = !request.region && !request.bounds && !request.shard;
-  return [band = *band, is_signed = request.signed_distance, whole](const Vdb& vdb, const Accepted& accepted) {
+  return [band = *band, is_signed = request.signed_distance, whole](const Vdb* vdb, const Accepted& accepted) {
     const GridTransform& grid = accepted.grid;
     const double width = band.in_voxels ? band.width * grid.voxel_size : band.width;
-    return vdb.NewDistanceGrid(grid, width, is_signed, whole);
+    return vdb->NewDistanceGrid(grid, width, is_signed, whole);
   };
 }
 
 template <VdbFormat format>
 std::unique_ptr<Output> NewVdbOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request,
                                      const OutputOptions& options) {
-  return std::make_unique<GridOutput>(std::move(file), format, request, options, NewGridFor(request));
+  return std::make_unique<GridOutput>(std::move(file), format, request, options, NewGridFor(format, request));
 }
 
 std::unique_ptr<Output> NewPngOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request,
@@ -197,14 +209,15 @@ struct Format {
   NewOutput open;
   Holds holds;
   bool is_placed = true;    // it tells where in the world the voxels are
-  bool by_openvdb = false;  // a .html is made of a .vdb
+  bool by_openvdb = false;  // a .html is made of a .vdb, which is read
 };
 
 constexpr char kLinksCsv[] = ".links.csv", kLinksNpz[] = ".links.npz", kCellsVtu[] = ".cells.vtu";
-constexpr char kCsv[] = ".csv", kNpy[] = ".npy", kPly[] = ".ply", kMhd[] = ".mhd", kNiiGz[] = ".nii.gz";
+constexpr char kVdb[] = ".vdb", kCsv[] = ".csv", kNpy[] = ".npy", kPly[] = ".ply", kMhd[] = ".mhd",
+               kNiiGz[] = ".nii.gz";
 
 constexpr Format kFormats[] = {
-    {".vdb", "OpenVDB", NewVdbOutput<VdbFormat::kOpenVdb>, Holds::kAll, /*is_placed=*/true, /*by_openvdb=*/true},
+    {kVdb, "OpenVDB", NewVdbOutput<VdbFormat::kOpenVdb>, Holds::kAll},
     {".nvdb", "NanoVDB", NewVdbOutput<VdbFormat::kNanoVdb>, Holds::kAll, /*is_placed=*/true, /*by_openvdb=*/true},
     {kCsv, "table", NewTable<kCsv>, Holds::kAll},
     {kNpy, "NumPy", NewNpyOutput, Holds::kAll, /*is_placed=*/false},
@@ -358,13 +371,14 @@ absl::StatusOr<std::unique_ptr<Output>> OpenOutput(const std::string& path, cons
   }
   const std::string why_not = WhyNotHeld(path, request.fields, options);
   if (!why_not.empty()) return absl::InvalidArgumentError(absl::StrCat(path, ": ", why_not));
-  if (format->by_openvdb) {
+  VoxelizeRequest of_file = request;
+  of_file.fields = FieldsIn(path, request.fields, options);
+  const bool is_with_fields = format->extension == kVdb && NeedsOpenVdb(VdbFormat::kOpenVdb, of_file.fields);
+  if (format->by_openvdb || is_with_fields) {
     if (auto status = Vdb::Prepare(); !status.ok()) return status;
   }
   auto file = AtomicFile::Create(path);
   if (!file.ok()) return file.status();
-  VoxelizeRequest of_file = request;
-  of_file.fields = FieldsIn(path, request.fields, options);
   return format->open(*std::move(file), of_file, options);
 }
 

@@ -125,7 +125,7 @@ std::optional<Warning> WarningOfPlace(const std::vector<std::string>& paths);
 // voxels, except for .vdb, .nvdb, .html, .glb, .binvox, .vox, .vtu, .links.npz and dense arrays: .npy, .npz, .vti
 // and images.
 // Errors: INVALID_ARGUMENT: the extension; the fields, see WhyNotHeld; FAILED_PRECONDITION: the file cannot be created;
-// of .vdb, .nvdb and .html, those of Vdb::Prepare, and later those of Vdb::Load.
+// of .vdb with fields, .nvdb and .html, those of Vdb::Prepare, and later those of Vdb::Load.
 absl::StatusOr<std::unique_ptr<Output>> OpenOutput(const std::string& path, const VoxelizeRequest& request = {},
                                                    const OutputOptions& options = {});
 

@@ -69,16 +69,13 @@ class Vdb {
   virtual absl::StatusOr<GridContent> ReadContent(std::istream& in, const std::string& path, bool values) const = 0;
   virtual absl::StatusOr<GridContent> ReadOwnContent(const std::string& path) const = 0;
 
-  // MergeParts, WriteDifferenceFile and MetadataTexts.
+  // MergeParts and WriteDifferenceFile.
   virtual absl::StatusOr<MergedGrid> Merge(const std::vector<std::string>& parts, const std::string& path,
                                            const Cancellation& cancellation,
                                            const std::function<void(double, uint64_t)>& progress,
                                            const ReadPart& read) const = 0;
   virtual absl::Status WriteDifference(const GridDifference& difference, const GridTransform& transform,
                                        const std::string& path) const = 0;
-  virtual std::vector<std::pair<std::string, std::string>> Texts(const VoxelizeRequest& request, const MeshNote& note,
-                                                                 const CarriedNames& names,
-                                                                 const Summary& summary) const = 0;
 
  protected:
   ~Vdb() = default;  // it stays loaded

@@ -7,7 +7,6 @@
 
 #include "absl/strings/string_view.h"
 #include "client/grid/grid_stream.h"
-#include "client/grid/metadata_texts.h"
 #include "client/tool/vdb/vdb.h"
 #include "latvox/grid/distance_grid.h"
 #include "latvox/grid/field_grids.h"
@@ -74,11 +73,6 @@ class Module final : public Vdb {
   absl::Status WriteDifference(const GridDifference& difference, const GridTransform& transform,
                                const std::string& path) const override {
     return WriteDifferenceFile(difference, transform, path);
-  }
-  std::vector<std::pair<std::string, std::string>> Texts(const VoxelizeRequest& request, const MeshNote& note,
-                                                         const CarriedNames& names,
-                                                         const Summary& summary) const override {
-    return MetadataTexts(request, note, names, summary);
   }
 };
 

@@ -28,8 +28,9 @@ namespace latvox::client {
 // less than 3e-15. Errors: INVALID_ARGUMENT with ErrorDetails, naming voxel_size, its value and the limit.
 LATVOX_EXPORT absl::Status CheckGridTransform(const GridTransform& transform);
 
-// A grid that is being filled: a BoolGrid named "voxels", with one leaf for each brick. Every OpenVDB program reads
-// this type, python3-openvdb included. Not thread-safe. Memory: about 150 bytes for each brick.
+// A grid that is being filled: a BoolGrid named "voxels", with a leaf for each brick, and tiles where all voxels
+// are in the set. Every OpenVDB program reads this type, python3-openvdb included. Not thread-safe. Memory: about 150
+// bytes for each brick that lacks voxels.
 class LATVOX_EXPORT VoxelGrid {
  public:
   // Precondition: CheckGridTransform(transform) is OK.
@@ -60,8 +61,8 @@ class LATVOX_EXPORT VoxelGrid {
   // Returns the number of voxels added. Visits each leaf.
   uint64_t CountActiveVoxels() const;
 
-  // Writes a .vdb file to `path`, replacing an existing file; not atomic. Errors: UNKNOWN, with the path and OpenVDB's
-  // message.
+  // Writes a .vdb file to `path`, replacing an existing file; not atomic. Prunes the grid's tree before. Errors: UNKNOWN,
+  // with the path and OpenVDB's message.
   absl::Status Write(const std::string& path) const;
 
   // Writes the same as a .nvdb file (NanoVDB): name, voxels and transform. The metadata are lines of text, "NAME =
@@ -106,9 +107,8 @@ struct GridFile {
   std::vector<Brick> bricks;  // none is empty
 };
 
-// Reads the file's voxels. Memory: 230 bytes for each brick while it reads, 80 afterwards. Active tiles, which latvox
-// does not write, are read as bricks. Errors: as above; a grid that is not boolean, or has tiles of more than 2^31
-// voxels; a transform with numbers that are not finite.
+// Reads the file's voxels. Memory: 230 bytes for each brick while it reads, 80 for each one of a tile and afterwards.
+// Active tiles are read as bricks. Errors: as above; a grid that is not boolean, or has tiles of more than 2^34 voxels; a transform with numbers that are not finite.
 LATVOX_EXPORT absl::StatusOr<GridFile> ReadGridFile(const std::string& path);
 
 // Returns the metadata latvox_digest of a .vdb file's first grid, or an empty text. Reads no voxel, and is safe with

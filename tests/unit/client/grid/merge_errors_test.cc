@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <limits>
 
+#include "client/grid/brick_tree.h"
 #include "tests/unit/client/merge_parts.h"
 
 namespace latvox::client {
@@ -26,10 +27,11 @@ class MergeErrors : public MergeTest {
     EXPECT_THAT(std::string(merged.status().message()), says);
   }
 
-  // The first part's file; the length of a leaf; the place of the first leaf.
+  // The first part's file; the lengths of a leaf's values and of its mask in the tree; the places of the first ones.
   std::string Bytes() const { return Read("a.vdb"); }
-  static constexpr size_t kLeaf = 140;
+  static constexpr size_t kLeaf = 140, kMask = sizeof(BrickMask);
   size_t Leaves() const { return Bytes().size() - 2 * kLeaf; }
+  size_t Masks() const { return Leaves() - 2 * kMask; }
 };
 
 TEST_F(MergeErrors, PartsThatDifferInAnyFieldNameItAndBothValues) {
@@ -195,25 +197,50 @@ TEST_F(MergeErrors, NoChangedByteOfANanoFileChangesTheVoxels) {
   EXPECT_GT(refused, 2 * 2 * mask.size());
 }
 
-TEST_F(MergeErrors, LeavesThatAreNotAsTheyWereWritten) {
+TEST_F(MergeErrors, BricksThatAreNotAsTheyWereWritten) {
   Part("a.vdb", First());
   const std::string whole = Bytes();
   std::string swapped = whole;
-  swapped.replace(Leaves(), kLeaf, whole, Leaves() + kLeaf, kLeaf);
-  swapped.replace(Leaves() + kLeaf, kLeaf, whole, Leaves(), kLeaf);
-  Refuses({Write("bad.vdb", swapped)}, HasSubstr("bad.vdb: is damaged: brick 2 of 2"));
-  // The lowest and the highest bit of each byte of the leaves.
-  for (size_t at = Leaves(); at < whole.size(); ++at) {
+  swapped.replace(Masks(), kMask, whole, Masks() + kMask, kMask);
+  swapped.replace(Masks() + kMask, kMask, whole, Masks(), kMask);
+  Refuses({Write("bad.vdb", swapped)}, HasSubstr("bad.vdb: is damaged: its voxels have digest"));
+  std::string empty = whole;
+  empty.replace(Masks() + kMask, kMask, kMask, '\0');
+  Refuses({Write("bad.vdb", empty)}, HasSubstr("bad.vdb: is damaged: brick 2 is not as latvox wrote it"));
+  // The lowest and the highest bit of each byte.
+  for (size_t at = Masks(); at < Leaves(); ++at) {
     for (const int bit : {0, 7}) {
       std::string bad = whole;
       bad[at] = static_cast<char>(bad[at] ^ 1 << bit);
-      Refuses({Write("bad.vdb", bad)}, HasSubstr("bad.vdb: is damaged"));
+      Refuses({Write("bad.vdb", bad)},
+              AllOf(HasSubstr("bad.vdb: is damaged: its voxels have digest"), HasSubstr("but latvox_digest is")));
     }
   }
-  // One more voxel, in the mask and in the values.
-  std::string more = whole;
-  for (const size_t at : {Leaves(), Leaves() + 76}) more[at] = static_cast<char>(more[at] ^ 1);
-  Refuses({Write("bad.vdb", more)}, AllOf(HasSubstr("its voxels have digest"), HasSubstr("but latvox_digest is")));
+}
+
+// The tree has all bricks before the leaves' values begin.
+TEST_F(MergeErrors, DamagedValuesDoNotChangeTheVoxels) {
+  Part("a.vdb", First());
+  std::string bad = Bytes();
+  for (size_t at = Leaves(); at < bad.size(); ++at) bad[at] = static_cast<char>(~bad[at]);
+  const auto merged = Merge({Write("bad.vdb", bad)});
+  ASSERT_TRUE(merged.ok()) << merged.status();
+  EXPECT_EQ(merged->digest, MakeCertificate(First()).digest);
+}
+
+TEST_F(MergeErrors, TilesThatAreNotAsTheyWereWritten) {
+  Bricks bricks;
+  for (int32_t n = 0; n < 300; ++n) bricks.push_back({{n / 16, n % 16, 0}, kFullBrick});
+  bricks.push_back(MakeBrick({15, 15, 15}));
+  Part("a.vdb", bricks);
+  const std::string whole = Bytes(), digest = MakeCertificate(bricks).digest;
+  const size_t node = whole.size() - kLeaf - kMask - 1200, end = whole.size() - kLeaf;  // its masks, and more
+  for (size_t at = node; at < end; ++at) {
+    std::string bad = whole;
+    bad[at] = static_cast<char>(bad[at] ^ 1);
+    const auto merged = Merge({Write("bad.vdb", bad)});
+    EXPECT_EQ(merged.ok() ? merged->digest : digest, digest) << at;
+  }
 }
 
 // A change before the leaves is an error, or leaves the voxels as they are.
