@@ -20,7 +20,8 @@ namespace latvox {
 // - A small one covers the voxels of its corners, and those of its box whose cells meet it.
 // - Most others are scanned as for k = 0, and the cells of their rims are tested.
 // - A few touch cells exactly. They go row by row.
-// A voxel that is a member already is not tested, which does not change the union. On smooth surfaces most are.
+// A voxel that is a member already is not tested, which does not change the union. On smooth surfaces most are. In fine
+// meshes, core/tiny/tiny_cover.h has found the voxels of tiny triangles before, and the others come here.
 //
 // On most other lattices, most triangles are scanned, and the cells at their rims and beyond their planes are tested
 // (core/supercover/near_cells.h). The others go row by row.

@@ -25,7 +25,7 @@ struct TileContext {
   const Supercover* supercover;  // null unless the request asks for one; a supercover is not thinned
   Vec3i reach;                   // per axis, the largest |q| of the frames, or the supercover's ScanReach()
   bool minimal;                  // whether to thin
-  const TileLinks& links;        // links of tiny triangles, if most are tiny; set before the first tile
+  const TileLinks& links;        // links or supercover of tiny triangles, if many are; set before the first tile
   // Which triangles are tiny, if nodes list these, too; else empty.
   const UninitializedVector<uint8_t>& is_tiny;
   IndexBox region;  // local voxels outside are not delivered

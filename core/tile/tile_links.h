@@ -1,4 +1,5 @@
-// Crossed links, sorted into the tiles of their nearer ends.
+// Crossed links, sorted into the tiles of their nearer ends. For a supercover, voxels take their places: as nearer ends
+// of links along direction 0, whose farther ends mean nothing.
 #ifndef LATVOX_CORE_TILE_TILE_LINKS_H_
 #define LATVOX_CORE_TILE_TILE_LINKS_H_
 

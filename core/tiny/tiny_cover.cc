@@ -1,16 +1,19 @@
 // Triangles in lanes of 16 bits.
 //
-// A triangle with one cell in its box meets it. One with two meets both, because it is connected. For the others, let P
-// be the point where the low cells of the box end along all axes. Then the triangle meets a cell iff it meets the
-// closed octant at P in which the cell lies. Of the separating axes of such a cone and a triangle, those along the
-// lattice axes separate no cell of the box. The others are
-// - the edges' normals n in each projection along an axis. With the edge's corners (x, y) and (x', y') from P, n.v is
-//     e = x * y' - x' * y   at both corners, and   e - D   at the third, where D is the sum of e over the edges
-// - the triangle's normal N, whose components are the D of the three projections. N.v is one number for all corners
-// Along such a vector, a cone with the vector's signs reaches from 0 up, and the opposite one from 0 down. Other cones
-// reach both ways. So if all n.v are below 0, they separate the first cone, and if all are above 0, the other one. A
-// component that is 0 may count with either sign. All signs are exact: |x|, |y| <= U, e and D are below 2^19, and N.v
-// is below 2^29. Nothing touches by rounding, so there are no ties, and degenerate triangles are no exception.
+// A triangle meets the only cell of its box. It also meets both of two, because it is connected. For larger boxes, let
+// P be the corner where the low cells of all axes end. The triangle meets a cell of the box iff it meets the closed
+// octant of space around P that holds the cell. The separating axes of an octant and a triangle are
+// - the lattice axes, which separate no cell of the box,
+// - the normals n of the edges in the projections along each axis. For an edge from (x, y) to (x', y'), as seen from P,
+//     n = (y' - y, x - x'),   n.v = x y' - x' y = e at its corners v,   n.v = e - D at the third corner,
+//   where D is the sum of e over the three edges,
+// - the normal N of the triangle. Its components are the D of the projections, and N.v is the same for all corners.
+// Along such a vector, the octant with the vector's signs reaches from 0 up, and the opposite octant from 0 down. All
+// others reach both ways. So the vector separates the first one if all products are below 0, the opposite one if all
+// are above 0, and no other. A component of 0 may have either sign. Cells and triangles are closed, so there are no
+// ties, and triangles without area are no exception.
+//
+// With U = kLatticeUnit, |x|, |y| <= U, |e| <= 2 U^2, |D| <= 6 U^2 and |N.v| <= 18 U^3 < 2^29. So all signs are exact.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/tiny/tiny_cover.cc"
 #define HWY_WANT_AVX3_DL  // for compressing lanes of 16 bits
@@ -147,51 +150,42 @@ class Separated {
 
   HWY_INLINE Separated() : octants(hn::Zero(ShortLanes())) {}
 
-  // The vector's signs choose an octant: `negative` has a bit pattern for each of its axes, of kHighSide or opposite.
-  //   low, high   bounds of the products with the vector
+  // Adds the octants that vectors n separate.
+  //   low, high   the least and the largest n.v of the corners
+  //   sides       of the components of n that may differ from 0
   template <size_t kAxes>
   HWY_INLINE void Add(Shorts low, Shorts high, const std::array<Shorts, kAxes>& sides) {
-    const Shorts above = Negative(hn::SaturatedSub(hn::Zero(ShortLanes()), low));  // all products are above 0
+    const Shorts above = Negative(hn::SaturatedSub(hn::Zero(ShortLanes()), low));  // 0 < low
     Shorts octant = hn::Or(above, Negative(high));
     for (const Shorts side : sides) octant = hn::And(octant, hn::Xor(side, above));
     octants = hn::Or(octants, octant);
   }
-
-  // The octants on the side of an axis to which a component's sign points.
-  HWY_INLINE static Shorts SideOf(size_t axis, Shorts component) {
-    return hn::Xor(Negative(component), FillShort(kHighSide[axis]));
-  }
 };
+
+// The octants on the side of an axis to which a vector's component points. Their upper bits mean nothing.
+HWY_INLINE Shorts SideOf(size_t axis, Shorts component) {
+  return hn::Xor(Negative(component), FillShort(kHighSide[axis]));
+}
 
 // Returns the octants that the triangles meet.
 //   v   corners from P
 HWY_INLINE Shorts OctantsOf(const ShortCorners<ShortLanes>& v) {
-  const ShortLanes d;
-  std::array<Shorts3, 3> up, down;  // for each edge, the sides of its vector and of the opposite one
-  for (size_t n = 0; n < 3; ++n) {
-    for (size_t m = 0; m < 3; ++m) {
-      const Shorts &from = v[n][m], &to = v[(n + 1) % 3][m];
-      up[n][m] = Negative(hn::Sub(to, from));
-      down[n][m] = Negative(hn::Sub(from, to));
-    }
-  }
   Separated separated;
-  Wide at{hn::Zero(Lanes()), hn::Zero(Lanes())};
+  Wide at{hn::Zero(Lanes()), hn::Zero(Lanes())};  // N.v
   Shorts3 normal_sides;
   for (size_t m = 0; m < 3; ++m) {
     const size_t a = (m + 1) % 3, b = (m + 2) % 3;
-    const auto edge = [&](size_t n) HWY_ATTR {
-      const auto& [to_a, to_b] = std::pair(v[(n + 1) % 3][a], v[(n + 1) % 3][b]);
-      return Pairs(v[n][a], v[n][b]).Dot(Pairs(to_b, hn::Neg(to_a)));
-    };
-    const std::array<Wide, 3> e{edge(0), edge(1), edge(2)};
+    const auto edge = [&](const Shorts3& from, const Shorts3& to)
+                          HWY_ATTR { return Pairs(from[a], from[b]).Dot(Pairs(to[b], hn::Neg(to[a]))); };
+    const std::array<Wide, 3> e{edge(v[0], v[1]), edge(v[1], v[2]), edge(v[2], v[0])};
     const Wide area = e[0] + e[1] + e[2];
     for (size_t n = 0; n < 3; ++n) {
-      const Shorts first = e[n].Saturated(), third = (e[n] - area).Saturated();
-      separated.Add<2>(hn::Min(first, third), hn::Max(first, third),
-                       {hn::Xor(up[n][b], FillShort(kHighSide[a])), hn::Xor(down[n][a], FillShort(kHighSide[b]))});
+      const Shorts3 &from = v[n], &to = v[(n + 1) % 3];
+      const Shorts at_edge = e[n].Saturated(), at_third = (e[n] - area).Saturated();
+      separated.Add<2>(hn::Min(at_edge, at_third), hn::Max(at_edge, at_third),
+                       {SideOf(a, hn::Sub(to[b], from[b])), SideOf(b, hn::Sub(from[a], to[a]))});
     }
-    normal_sides[m] = Separated::SideOf(m, area.Saturated());
+    normal_sides[m] = SideOf(m, area.Saturated());
     at = at + area * Widened(v[0][m]);
   }
   const Shorts plane = at.Saturated();

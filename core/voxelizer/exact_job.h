@@ -9,8 +9,8 @@
 
 namespace latvox {
 
-// Digitizes tile by tile, in a pipeline of units with some tiles each. Memory: the mesh, the links that its tiny
-// triangles cross, and the tiles in flight; for a solid with force_open, also all crossings of lines along k.
+// Digitizes tile by tile, in a pipeline of units with some tiles each. Memory: the mesh, the links or cells of its tiny
+// triangles, and the tiles in flight; for a solid with force_open, also all crossings of lines along k.
 std::unique_ptr<VoxelizeJob> MakeExactJob(std::unique_ptr<ExactPlan> plan);
 
 }  // namespace latvox

@@ -48,7 +48,8 @@ struct ExactInput {
 // triangles within its far margin. That margin covers all voxels that can affect thinning in the tile (kThinHalo
 // steps), and one more step for the triangles that reach these. Both margins cover the reach of the mesh's numbers. A
 // block that is thinned within the near margin reports whether that was enough (core/thin/thin.h). `kept` leaves out
-// only triangles that cross no lattice line, and tiny ones, whose links are in `links`. No tile changes the plan.
+// only triangles that cross no lattice line, and tiny ones, whose links or cells are in `links`. No tile changes the
+// plan.
 struct ExactPlan {
   ExactInput input;
   std::vector<ScanFrame> scan_frames;
@@ -61,7 +62,7 @@ struct ExactPlan {
   Vec3i near_margin{}, far_margin{};          // of the tree, see TileTree
   bool has_large_tiles = false;               // of megabytes each
   bool is_fine = false;                       // whether the mesh is fine; the next members belong to a fine mesh
-  std::unique_ptr<TileLinks> links;           // links of tiny triangles, if most triangles are tiny
+  std::unique_ptr<TileLinks> links;           // links or supercover of tiny triangles, if there are many
   UninitializedVector<uint8_t> is_tiny;       // see TileContext
   std::optional<std::vector<uint32_t>> kept;  // the triangles that tiles need to know, ascending; nullopt: all
   JobFacts facts;

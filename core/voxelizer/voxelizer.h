@@ -58,10 +58,10 @@ struct JobTotals {
 class VoxelizeJob {
  public:
   // Snaps the mesh, and finds its facts. For a fine mesh, with triangles smaller than voxels, the same pass finds the
-  // links that its triangles cross, and keeps them; that is most of the work. Errors: INVALID_ARGUMENT naming field,
-  // value and limit: those of MakeRequest; mesh (see CheckMesh), extent, position, resume_after, band (its width on
-  // this lattice), fields (that the mesh lacks), basis (for a supercover; see IntegerCell). CANCELLED, soon, once
-  // `stop` is stopped, which does not stop the job.
+  // links that its triangles cross, or for a supercover the cells that they meet. It keeps them; that is most of the
+  // work. Errors: INVALID_ARGUMENT naming field, value and limit: those of MakeRequest; mesh (see CheckMesh), extent,
+  // position, resume_after, band (its width on this lattice), fields (that the mesh lacks), basis (for a supercover;
+  // see IntegerCell). CANCELLED, soon, once `stop` is stopped, which does not stop the job.
   static absl::StatusOr<std::unique_ptr<VoxelizeJob>> Create(TriangleMesh mesh, const Grid& grid,
                                                              const VoxelizeOptions& options, StopSignal stop = {});
   // Does the same with a request that keeps all rules, and a mesh that was checked while it arrived. CheckMesh takes a

@@ -211,7 +211,7 @@ TEST(Supercover, OfTinyTrianglesIsThatOfEachRowByRowOnEachKernel) {
   const Grid grid = Unscaled(lattice);
   std::mt19937 random(9);
   for (const int64_t grain : {1, 128}) {
-    oracle::Mesh mesh = RandomTriangles(grain, 2 * kLatticeUnit, 17000, random);
+    oracle::Mesh mesh = RandomTriangles(grain, kLatticeUnit * 3 / 2, 17000, random);
     for (oracle::Triangle& triangle : RandomTriangles(grain, 9000, 20, random)) mesh.push_back(triangle);
     const TriangleMesh world = ToWorld(mesh, lattice);
     ASSERT_TRUE(IsFineForCover(*Snap(world, lattice, grid.origin, {1, 1, 1})));
@@ -239,9 +239,9 @@ TEST(Supercover, OfTinyTrianglesIsTheSameWithFieldsAndInSolidsOnEachKernel) {
   const Lattice lattice = Lattice::Named(NamedLattice::kCartesian);
   const TriangleMesh sphere = Sphere(120, 28);
   ASSERT_TRUE(IsFineForCover(*Snap(sphere, lattice, {}, {1, 1, 1})));
-  for (const VoxelizeOptions& options :
-       {VoxelizeOptions{.set = SupercoverSurface{}}, {.set = Solid{.surface = SolidSurface::kSupercover}},
-        {.set = SupercoverSurface{}, .fields = {Field::kTriangle, Field::kLinks}}}) {
+  for (const VoxelizeOptions& options : {VoxelizeOptions{.set = SupercoverSurface{}},
+                                         {.set = Solid{.surface = SolidSurface::kSupercover}},
+                                         {.set = SupercoverSurface{}, .fields = {Field::kTriangle, Field::kLinks}}}) {
     std::optional<Digest> expected;  // of plain C++, which comes first
     WithEachSimd([&] {
       const Digest digest = Voxelize(sphere, Unscaled(lattice), options).totals.digest;

@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <random>
 #include <set>
+#include <string>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
@@ -90,7 +92,7 @@ void ExpectAllCells(const Vec3i& first_tile, const Vec3i& tile_min) {
       for (const Simd simd : SimdHere()) {
         if (simd == Simd::kScalar) continue;  // has none
         const ForcedSimd forced(simd);
-        SCOPED_TRACE(absl::StrCat("size ", size, " grain ", grain, " ", SimdInUse()));
+        SCOPED_TRACE(absl::StrCat("size ", size, " grain ", grain, " ", std::string(SimdInUse())));
         TileLinks found(first_tile, {});
         std::vector<uint32_t> others{7};  // earlier entries stay
         {
@@ -125,7 +127,7 @@ TEST(TinyCover, LeavesOutCellsOutsideOfTheBoxOnEachKernel) {
   for (const Simd simd : SimdHere()) {
     if (simd == Simd::kScalar) continue;  // has none
     const ForcedSimd forced(simd);
-    SCOPED_TRACE(SimdInUse());
+    SCOPED_TRACE(std::string(SimdInUse()));
     TileLinks found(Shifted(tile_min, kTileBits) - Vec3i{1, 1, 1}, {});
     std::vector<uint32_t> others;
     {
