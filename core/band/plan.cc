@@ -26,6 +26,7 @@ __int128 LimitOf(const Metric& metric, double sizes, const Vec3i& margin) {
 // A vector no longer than the width has an m-th coordinate of at most the width times the length of row m of V^-1.
 absl::StatusOr<Vec3i> MarginOf(double width, const Lattice& lattice) {
   constexpr double kSlack = 1 + 0x1p-20;  // for rounding, including that of the metric
+  static_assert(kMaxBandReach * kLatticeUnit * kSlack <= kMostPlannedReach * kLatticeUnit);
   Vec3i margin;
   for (size_t m = 0; m < 3; ++m) {
     double square = 0;

@@ -19,6 +19,9 @@ struct BandPlan {
   Vec3i margin, reach;
 };
 
+// The most voxels of a plan's reach. Room for rounding takes a margin of kMaxBandReach beyond it.
+inline constexpr int32_t kMostPlannedReach = kMaxBandReach + 1;
+
 // Returns the distance along each lattice axis, in units, within which all points within a width (world units) lie.
 // Errors: INVALID_ARGUMENT if that is over kMaxBandReach voxels.
 absl::StatusOr<Vec3i> MarginOf(double width, const Lattice& lattice);

@@ -49,9 +49,9 @@ absl::StatusOr<std::optional<BandPlan>> PlanOfBand(const VoxelRequest& request, 
 }
 
 // Nullopt unless a walk decides on the set.
-absl::StatusOr<std::optional<WalkPlan>> PlanOfWalk(const VoxelRequest& request, const Grid& grid) {
+absl::StatusOr<std::optional<WalkPlan>> PlanOfWalk(const VoxelRequest& request, const Grid& grid, StopSignal stop) {
   if (request.walk() == nullptr) return std::nullopt;
-  return MakeWalkPlan(*request.walk(), grid, grid.lattice.frames(request.separability));
+  return MakeWalkPlan(*request.walk(), grid, grid.lattice.frames(request.separability), stop);
 }
 
 // The box also holds what the walk keeps out of.
@@ -94,7 +94,7 @@ absl::StatusOr<std::unique_ptr<VoxelizeJob>> MakeJob(Mesh mesh, const Grid& grid
                                                      StopSignal stop) {
   const absl::StatusOr<std::optional<BandPlan>> band = PlanOfBand(request, grid.lattice);
   if (!band.ok()) return band.status();
-  absl::StatusOr<std::optional<WalkPlan>> walk = PlanOfWalk(request, grid);
+  absl::StatusOr<std::optional<WalkPlan>> walk = PlanOfWalk(request, grid, stop);
   if (!walk.ok()) return walk.status();
   const FieldList of_mesh = request.fields.OfMesh();
   if (auto status = CheckFieldsOf(MeshOf(mesh), of_mesh); !status.ok() && !of_mesh.empty()) return status;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cmath>
 #include <cstdlib>
 
@@ -10,12 +11,13 @@
 namespace latvox {
 namespace {
 
-constexpr int32_t kMostTilesBeside = (kMaxBandReach + kTileSide - 1) / kTileSide;
+constexpr int32_t kMostTilesBeside = (kMostPlannedReach + kTileSide - 1) / kTileSide;
 constexpr size_t kMostWords = 2 * kMostTilesBeside + 1;
 
-// The bits of rows of consecutive tiles along k.
+// The bits of rows of consecutive tiles along k. Words behind them are 0: Widen reads as many as a step of it takes,
+// which is no longer than the reach.
 struct LongRow {
-  std::array<uint64_t, kMostWords + 1> words{};
+  std::array<uint64_t, kMostWords + kMostTilesBeside> words{};
   size_t size = 0;
 
   uint64_t WordAt(int32_t bit) const {
@@ -23,7 +25,7 @@ struct LongRow {
     const int shift = bit & (kTileSide - 1);
     return shift == 0 ? words[word] : words[word] >> shift | words[word + 1] << (kTileSide - shift);
   }
-  // Sets bit b where any of the bits b .. b + count is set.
+  // Sets bit b where any of the bits b .. b + count is set. Precondition: count <= 2 * kMostPlannedReach.
   void Widen(int32_t count) {
     for (int32_t have = 1; have <= count;) {
       const int32_t more = std::min(have, count + 1 - have);
@@ -35,16 +37,24 @@ struct LongRow {
 
 }  // namespace
 
-Ball::Ball(const BandPlan& length) : reach_(length.reach) {
-  for (int32_t i = -reach_[0]; i <= reach_[0]; ++i) {
-    for (int32_t j = -reach_[1]; j <= reach_[1]; ++j) {
-      const Run run = RunAlong(length, i, j);
-      if (run.low <= run.high) runs_.push_back(run);
+// Rows come in the order of |di| + |dj|.
+Ball::Ball(const BandPlan& length, StopSignal stop) : reach_(length.reach) {
+  static_assert(sizeof(Run) == 16);
+  runs_.reserve(static_cast<size_t>(2 * reach_[0] + 1) * static_cast<size_t>(2 * reach_[1] + 1));
+  assert(std::ranges::all_of(reach_, [](int32_t voxels) { return voxels <= kMostPlannedReach; }));
+  for (int32_t steps = 0; steps <= reach_[0] + reach_[1] && !stop.Stopped(); ++steps) {
+    const int32_t most = std::min(steps, reach_[0]);
+    for (int32_t i = -most; i <= most; ++i) {
+      const int32_t j = steps - std::abs(i);
+      if (j > reach_[1]) continue;
+      Add(RunAlong(length, i, -j));
+      if (j != 0) Add(RunAlong(length, i, j));
     }
   }
-  std::stable_sort(runs_.begin(), runs_.end(), [](const Run& a, const Run& b) {
-    return std::abs(a.di) + std::abs(a.dj) < std::abs(b.di) + std::abs(b.dj);
-  });
+}
+
+void Ball::Add(const Run& run) {
+  if (run.low <= run.high) runs_.push_back(run);
 }
 
 // The ball is convex. Doubles tell about where the run ends, and integers exactly.

@@ -16,7 +16,11 @@ namespace latvox {
 // All lattice vectors within a length, as runs along k.
 class Ball {
  public:
-  explicit Ball(const BandPlan& length);
+  // The memory of the largest one, with a run of 16 bytes for each row.
+  static constexpr uint64_t kMostRows = 2 * kMostPlannedReach + 1, kMostBytes = 16 * kMostRows * kMostRows;
+
+  // Once stopped, it is meaningless.
+  explicit Ball(const BandPlan& length, StopSignal stop = {});
 
   // Adds to a tile's rows all points that a vector of the ball leads to from a member of the set.
   //   set   the members in a tile around, by its position relative to this one; null: none
@@ -32,6 +36,7 @@ class Ball {
   };
 
   static Run RunAlong(const BandPlan& length, int32_t i, int32_t j);
+  void Add(const Run& run);
 
   Vec3i reach_;
   std::vector<Run> runs_;  // short ones first

@@ -44,7 +44,8 @@ Vec3i NearestPoint(const Grid& grid, const Vec3d& world) {
   return ijk;
 }
 
-absl::StatusOr<WalkPlan> MakeWalkPlan(const WalkSet& walk, const Grid& grid, const std::vector<Frame>& frames) {
+absl::StatusOr<WalkPlan> MakeWalkPlan(const WalkSet& walk, const Grid& grid, const std::vector<Frame>& frames,
+                                      StopSignal stop) {
   WalkPlan plan{.steps = MakeWalkSteps(frames), .close = std::nullopt, .start = std::nullopt, .grid = grid};
   plan.from_seed = walk.seed.has_value();
   plan.allow_outside = walk.allow_outside;
@@ -61,6 +62,7 @@ absl::StatusOr<WalkPlan> MakeWalkPlan(const WalkSet& walk, const Grid& grid, con
                      value);
   }
   plan.close = *std::move(close);
+  plan.ball = std::make_shared<const Ball>(*plan.close, stop);
   return plan;
 }
 

@@ -7,6 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "core/base/status_payload.h"
+#include "core/walk/growth.h"
 
 namespace latvox {
 namespace {
@@ -46,11 +47,7 @@ std::string WayOut(const Leak& leak) {
 }  // namespace
 
 Walk::Walk(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames, const WalkPlan& plan, int level)
-    : mesh_(mesh),
-      frames_(frames),
-      plan_(plan),
-      ball_(plan.close ? std::optional<Ball>(*plan.close) : std::nullopt),
-      graph_(Shifted(mesh.box.min, kTileBits), level, mesh.box) {}
+    : mesh_(mesh), frames_(frames), plan_(plan), graph_(Shifted(mesh.box.min, kTileBits), level, mesh.box) {}
 
 absl::StatusOr<std::unique_ptr<const Walk>> Walk::Make(const TileContext& context, const WalkPlan& plan,
                                                        const TileTree& tree, std::optional<std::vector<uint32_t>> kept,
@@ -73,7 +70,7 @@ absl::Status Walk::Run(const TileContext& context, WalkPass& pass, const std::op
   facts_.largest.assign(volumes.begin(),
                         volumes.begin() + static_cast<ptrdiff_t>(std::min(volumes.size(), kMostCavities)));
   if (absl::Status status = FindStart(pass, kept, context.stop); !status.ok()) return status;
-  if (ball_) KeepReached(pass, kept, context.stop);
+  if (plan_.ball) KeepReached(pass, kept, context.stop);
   return context.stop.Stopped() ? Cancelled() : absl::OkStatus();
 }
 
@@ -114,7 +111,7 @@ absl::Status Walk::FindStart(WalkPass& pass, const std::optional<std::vector<uin
     return !plan_.from_seed
                ? absl::OkStatus()
                : SeedError(absl::StrCat("the nearest lattice point, ", Shown(seed), ", lies in the surface",
-                                        ball_ ? ", or within half of connected.close of the mesh" : ""),
+                                        plan_.ball ? ", or within half of connected.close of the mesh" : ""),
                            seed);
   }
   uint32_t node = WalkGraph::kOutside;
@@ -259,16 +256,16 @@ const TileRows* Walk::ReachedIn(const Vec3i& tile_ijk) const {
 bool Walk::MayHold(const Vec3i& tile_ijk, int level) const {
   const std::optional<uint32_t> cube = graph_.FindCube(tile_ijk, level);
   if (!cube) return true;
-  return plan_.from_seed ? IsReached(*cube) || ball_ : !IsReached(*cube);
+  return plan_.from_seed ? IsReached(*cube) || plan_.ball : !IsReached(*cube);
 }
 
 // Finds the set's points in a tile.
 //   nodes   null: it has no pieces, and no walls
 void Walk::FindRows(const Vec3i& tile_ijk, const WalkGraph::TileNodes* nodes, WalkScan& scan, StopSignal stop,
                     TileRows& rows) const {
-  if (ball_) {
+  if (plan_.ball) {
     rows.fill(0);
-    ball_->Grow([&](const Vec3i& beside) { return ReachedIn(tile_ijk + beside); }, stop, rows);
+    plan_.ball->Grow([&](const Vec3i& beside) { return ReachedIn(tile_ijk + beside); }, stop, rows);
   } else if (nodes == nullptr) {
     const bool is_reached = IsReached(graph_.FindCube(tile_ijk, 0).value_or(WalkGraph::kOutside));
     rows.fill(is_reached ? kFullRow : 0);
@@ -278,7 +275,7 @@ void Walk::FindRows(const Vec3i& tile_ijk, const WalkGraph::TileNodes* nodes, Wa
   if (!plan_.from_seed) {
     for (uint64_t& row : rows) row = ~row;
   }
-  if (nodes == nullptr || (!ball_ && (plan_.with_surface || plan_.from_seed))) return;
+  if (nodes == nullptr || (!plan_.ball && (plan_.with_surface || plan_.from_seed))) return;
   const HaloBox box(tile_ijk, plan_.steps.reach);
   scan.walls.SurfaceIn(box, scan.rows);
   for (size_t row = 0; row < rows.size(); ++row) {

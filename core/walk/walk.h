@@ -21,7 +21,6 @@
 #include "core/tree/tile_tree.h"
 #include "core/walk/facts.h"
 #include "core/walk/graph.h"
-#include "core/walk/growth.h"
 #include "core/walk/leak.h"
 #include "core/walk/packed_pieces.h"
 #include "core/walk/pass.h"
@@ -72,7 +71,7 @@ class Walk : public FilledTiles {
   void Look(const Vec3i& tile_ijk, WalkScan& scan);
   void KeepPacked(const Vec3i& tile_ijk, PackedPieces packed);
   // Whether delivered tiles need their surface, even if their pieces are at hand.
-  bool NeedsSurface() const { return ball_ || (!plan_.with_surface && !plan_.from_seed); }
+  bool NeedsSurface() const { return plan_.ball || (!plan_.with_surface && !plan_.from_seed); }
   // Whether a delivered tile with pieces needs the scan of its walls.
   bool NeedsWalls(const Vec3i& tile_ijk) const { return NeedsSurface() || !packed_.contains(tile_ijk); }
   absl::Status FindStart(WalkPass& pass, const std::optional<std::vector<uint32_t>>& kept, StopSignal stop);
@@ -91,7 +90,6 @@ class Walk : public FilledTiles {
   const SnappedMesh& mesh_;
   const std::vector<ScanFrame>& frames_;
   const WalkPlan& plan_;
-  const std::optional<Ball> ball_;  // with `close`
   WalkGraph graph_;
   bool start_in_wall_ = false;
   uint32_t start_piece_ = 0;               // of its tile, if that has pieces

@@ -17,6 +17,7 @@ KINDS = {
     "enclosed": ["--set", "enclosed", "--fields", "triangle", "--lattice", "fcc"],
     "labeled enclosed": ["--set", "enclosed", "--labels", "part", "--fields", "part,distance"],
     "region": ["--set", "region", "--seed", "0,0,0", "--fields", "distance", "--lattice", "hexagonal"],
+    "region with closed holes": ["--set", "region", "--seed", "0,0,0", "--close", "1", "--fields", "distance"],
     "links": ["--set", "links", "--fields", "point"],
     "interior": ["--set", "interior", "--fields", "material,distance", "--lattice", "bcc"],
     "enclosed interior": ["--set", "enclosed-interior", "--fields", "triangle"],
@@ -66,7 +67,7 @@ class MergeFields(Case):
 
     def test_regions_that_overlap_within_bricks_are_the_whole(self):
         cuts = [[f"--region={box}"] for box in ("-999,-999,-999,5,999,999", "3,-999,-999,999,12,999", "3,9,-999,999,999,999")]
-        for name in ("surface", "band"):
+        for name in ("surface", "band", "region with closed holes"):
             with self.subTest(name):
                 self.voxelize(self.mesh, "--voxel-size", "0.3", *KINDS[name], out="whole.vdb")
                 self.merge(self.parts(cuts, *KINDS[name]))

@@ -34,6 +34,8 @@ latvox_add_core_test(core_cancel_test voxelizer/cancel_test.cc UNSANITIZED TIMED
 latvox_add_core_test(core_plane_cancel_test plane/cancel_test.cc UNSANITIZED TIMED)
 latvox_add_core_test(core_thesis_cancel_test thesis/cancel_test.cc UNSANITIZED TIMED)
 latvox_add_core_test(core_estimate_test voxelizer/estimate_test.cc)
+# It replaces the allocator, as sanitizers do.
+latvox_add_core_test(core_walk_estimate_test voxelizer/walk_estimate_test.cc UNSANITIZED)
 latvox_add_core_test(core_voxelizer_test voxelizer/voxelizer_test.cc THREADED)
 latvox_add_core_test(core_interrupt_test voxelizer/interrupt_test.cc THREADED)
 latvox_add_core_test(core_parts_test voxelizer/parts_test.cc THREADED)
@@ -42,7 +44,9 @@ latvox_add_core_test(core_bounds_test voxelizer/bounds_test.cc)
 latvox_add_core_test(core_solid_test solid/solid_test.cc UNSANITIZED)
 latvox_add_core_test(core_refused_solid_test solid/refused_test.cc UNSANITIZED)
 latvox_add_core_test(core_labeled_solid_test solid/labeled_solid_test.cc THREADED)
+latvox_add_core_test(core_growth_test walk/growth_test.cc)
 latvox_add_core_test(core_walk_test walk/walk_test.cc)
+latvox_add_core_test(core_leak_test walk/leak_test.cc)
 latvox_add_core_test(core_labeled_walk_test walk/labeled_walk_test.cc)
 latvox_add_core_test(core_oracle_test voxelizer/oracle_test.cc SLOW)
 latvox_add_core_test(core_plane_crossing_test plane/crossing_test.cc UNSANITIZED)
@@ -90,7 +94,8 @@ latvox_add_core_test(core_threads_test voxelizer/threads_test.cc THREADED)
 # The programs whose results go through kernels, once more on the kernels that are not the best; see tests/README.md. Not
 # the tests that go through all kernels by themselves, and two that are long and of other things.
 if(NOT latvox_sanitized)
-  foreach(program band band_openvdb bounds fields labeled_solid parts snap solid supercover thesis_job tile_tree voxelizer)
+  foreach(program band band_openvdb bounds fields labeled_solid labeled_walk links parts snap solid supercover thesis_job
+                  tile_tree voxelizer walk)
     if(NOT TARGET core_${program}_test)
       continue()
     endif()

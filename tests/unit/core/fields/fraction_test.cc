@@ -186,7 +186,7 @@ TEST(Fraction, IsAFieldOfEverySet) {
          {SetOption{SeparatingSurface{}}, SetOption{SupercoverSurface{}}, SetOption{Solid{}}, SetOption{kInterior},
           SetOption{Solid{.rule = InteriorRule::kParity, .surface = SolidSurface::kSupercover}},
           SetOption{Band{1.5, true}}, SetOption{Links{}}, SetOption{Links{LinkSide::kInside}}, SetOption{Enclosed{}},
-          SetOption{Connected{{0, 0, 0}, 0, false}}}) {
+          SetOption{Connected{{0, 0, 0}, 0, false}}, SetOption{Connected{{0, 0, 0}, 1.7, false}}}) {
       SCOPED_TRACE(set.index());
       // With other fields before and after it, and with signs.
       const FieldList fields{Field::kTriangle, Field::kFraction, Field::kDistance};
@@ -273,7 +273,7 @@ TEST(Fraction, NeedsAClosedMesh) {
   EXPECT_EQ(RefusalOf(mesh, {.fields = kFraction, .fraction_n = 4}),
             "mesh: it is not closed, which a fraction asks for");
   EXPECT_EQ(RefusalOf(mesh, {.set = Solid{}, .fields = kFraction, .fraction_n = 4}),
-            "mesh: it is not closed, and 36 lattice lines along k end unbalanced; force_open fills the others");
+            "mesh: it is not closed, and 36 lattice lines along k end unbalanced; a fraction asks for a closed mesh");
 }
 
 TEST(Fraction, IsLimitedByTheExtentOfItsPoints) {

@@ -176,7 +176,8 @@ TEST(Links, AreFieldsOfEverySet) {
     for (const SetOption& set : {SetOption{SeparatingSurface{}}, SetOption{SupercoverSurface{}}, SetOption{Solid{}},
                                  SetOption{Band{0.1, true}}, SetOption{Solid{.surface = SolidSurface::kNone}},
                                  SetOption{Band{2.5, true}}, SetOption{Links{LinkSide::kInside}}, SetOption{Enclosed{}},
-                                 SetOption{Solid{.surface = SolidSurface::kSupercover}}, SetOption{Connected{}}}) {
+                                 SetOption{Solid{.surface = SolidSurface::kSupercover}}, SetOption{Connected{}},
+                                 SetOption{Connected{{0, 0, 0}, 1.7, false}}}) {
       SCOPED_TRACE(set.index());
       const auto found = LinksOf(Voxelize(mesh, grid, {.separability = 1, .set = set, .fields = kAll}), neighbors);
       size_t crossed = 0;

@@ -36,6 +36,7 @@ inline void ExpectPartsAddUp(const TriangleMesh& mesh, const Grid& grid, const V
                              const Result& whole) {
   for (const JobTotals& sum : {TotalsOfShards(mesh, grid, options, 3), TotalsOfHalves(mesh, grid, options, whole)}) {
     EXPECT_EQ(sum.voxels, whole.totals.voxels);
+    EXPECT_EQ(sum.digest, whole.totals.digest);
     EXPECT_EQ(sum.fields, whole.totals.fields);
   }
 }

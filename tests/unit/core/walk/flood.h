@@ -36,6 +36,10 @@ class Flood {
     }
     return marks;
   }
+  Points Marked(Marks marks) const {
+    for (uint8_t& mark : marks) mark ^= 1;
+    return Unmarked(marks);
+  }
   Points Unmarked(const Marks& marks) const {
     Points points;
     for (size_t n = 0; n < marks.size(); ++n) {
@@ -84,7 +88,9 @@ class Flood {
   }
 
   // Marks the points that no wall holds and that lie within the distance of a reached point.
-  Marks Grown(const Marks& walls, const Marks& reached, const Mat3d& basis, double distance) const {
+  //   from_outside   whether the points beyond the box are reached
+  Marks Grown(const Marks& walls, const Marks& reached, const Mat3d& basis, double distance,
+              bool from_outside = true) const {
     const int64_t most = 12;
     std::vector<Int3> ball;
     for (int64_t i = -most; i <= most; ++i) {
@@ -101,7 +107,7 @@ class Flood {
       const Int3 z = PointAt(n);
       for (const Int3& v : ball) {
         const Int3 other = Plus(z, v);
-        if (!box_.Contains(other) || reached[NumberOf(other)] != 0) grown[n] = 1;
+        if (box_.Contains(other) ? reached[NumberOf(other)] != 0 : from_outside) grown[n] = 1;
       }
     }
     return grown;

@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/voxelizer/estimate.h"
 #include "core/voxelizer/voxelizer.h"
+#include "core/voxelizer/walk_estimate.h"
 #include "tests/unit/core/exact.h"
 #include "tests/unit/core/fields.h"
 #include "tests/unit/core/fields/shards.h"

@@ -9,7 +9,9 @@
 
 #include "core/voxelizer/voxelizer.h"
 #include "tests/unit/core/exact.h"
+#include "tests/unit/core/fields/shards.h"
 #include "tests/unit/core/sphere.h"
+#include "tests/unit/core/walk/answers.h"
 #include "tests/unit/core/walk/flood.h"
 #include "tests/unit/dose.h"
 
@@ -37,19 +39,6 @@ oracle::Box BoxOf(const oracle::Mesh& mesh, int64_t margin) {
 
 Points SurfaceOf(const TriangleMesh& mesh, const Lattice& lattice, int64_t k, bool minimal, const Vec3i& shift) {
   return VoxelsOf(Voxelize(mesh, Unscaled(lattice), {.separability = k, .minimal = minimal}), shift);
-}
-
-oracle::Mesh Box(const Int3& low, const Int3& high) {
-  const auto corner = [&](int n) {
-    return Int3{(n & 4) != 0 ? high[0] : low[0], (n & 2) != 0 ? high[1] : low[1], (n & 1) != 0 ? high[2] : low[2]};
-  };
-  oracle::Mesh mesh;
-  for (const auto& [a, b, c, d] : {std::array{0, 2, 6, 4}, std::array{1, 5, 7, 3}, std::array{0, 4, 5, 1},
-                                   std::array{2, 3, 7, 6}, std::array{0, 1, 3, 2}, std::array{4, 6, 7, 5}}) {
-    mesh.push_back({corner(a), corner(b), corner(c)});
-    mesh.push_back({corner(a), corner(c), corner(d)});
-  }
-  return mesh;
 }
 
 struct Case {
@@ -107,30 +96,13 @@ TEST_P(WalkOnLattice, EqualsAFloodOfAdversarialMeshes) {
   EXPECT_GT(more_than_walls, 0U);
 }
 
-struct Answer {
-  absl::Status status;
-  Points points;
-  std::optional<WalkFacts> facts;
-  IndexBox box;
-};
-
-Answer AnswerTo(const TriangleMesh& mesh, const Lattice& lattice, const VoxelizeOptions& options, const Vec3i& shift) {
-  Answer answer;
-  auto job = VoxelizeJob::Create(mesh, Unscaled(lattice), options);
-  answer.status = job.status();
-  if (!job.ok()) return answer;
-  answer.status = (*job)
-                      ->Advance([&](TileBricks&& tile) {
-                        for (const Brick& brick : tile.bricks) AddVoxels(brick, shift, answer.points);
-                        return true;
-                      })
-                      .status();
-  answer.facts = (*job)->facts().walk;
-  answer.box = (*job)->facts().index_box.value_or(IndexBox{});
-  return answer;
+Points Within(const IndexBox& box, Points points, const Vec3i& shift) {
+  std::erase_if(points, [&](const Int3& z) {
+    return !box.Contains(Vec3i{static_cast<int32_t>(z[0]), static_cast<int32_t>(z[1]), static_cast<int32_t>(z[2])} +
+                         shift);
+  });
+  return points;
 }
-
-Vec3d WorldOf(const Lattice& lattice, const Vec3i& ijk) { return Apply(lattice.basis(), ToDouble(ijk)); }
 
 void Append(oracle::Mesh& mesh, const oracle::Mesh& more) { mesh.insert(mesh.end(), more.begin(), more.end()); }
 
@@ -171,21 +143,14 @@ TEST_P(WalkOnLattice, FindsRegionsAndCavities) {
     const Answer region = AnswerTo(mesh, lattice, {.separability = k, .set = from_seed}, shift);
     EXPECT_EQ(region.status.ok(), !leaks) << region.status;
     if (!leaks) {
-      Flood::Marks others = flood.FromSeed(walls, ToOracle(seed));
-      for (uint8_t& mark : others) mark ^= 1;
-      EXPECT_EQ(region.points, flood.Unmarked(others));
+      EXPECT_EQ(region.points, flood.Marked(flood.FromSeed(walls, ToOracle(seed))));
       EXPECT_FALSE(region.points.empty());
     }
     // From outside, the region is the rest of the box.
     const Connected from_outside{.seed = WorldOf(lattice, far + shift), .close = 0, .allow_outside = true};
     const Answer rest = AnswerTo(mesh, lattice, {.separability = k, .set = from_outside}, shift);
     ASSERT_TRUE(rest.status.ok()) << rest.status;
-    Points expected = flood.Unmarked(flood.MarksOf(flood.Unmarked(outside)));
-    std::erase_if(expected, [&](const Int3& z) {
-      return !rest.box.Contains(
-          Vec3i{static_cast<int32_t>(z[0]), static_cast<int32_t>(z[1]), static_cast<int32_t>(z[2])} + shift);
-    });
-    EXPECT_EQ(rest.points, expected);
+    EXPECT_EQ(rest.points, Within(rest.box, flood.Marked(outside), shift));
   }
 }
 
@@ -196,13 +161,13 @@ TEST_P(WalkOnLattice, ClosesHoles) {
   const Vec3i shift = kShifts[GetParam().number % 3];
   // An opening about three steps wide, from one side of the box to the other.
   oracle::Mesh box = Box({130, 110, 120}, {2600, 2610, 2620});
-  box.erase(box.begin());
   box[0] = {Int3{130, 110, 120}, Int3{2600, 2610, 120}, Int3{130, 1900, 120}};
   const double shortest = lattice.voxel_size();
   const TriangleMesh mesh = ToWorld(box, lattice, shift);
   const Flood flood(BoxOf(box, 12), directions);
   const Points surface = SurfaceOf(mesh, lattice, k, true, shift);
   const Flood::Marks walls = flood.MarksOf(surface);
+  size_t inner = 0;
   for (const double close : {1.237 * shortest, 4.119 * shortest}) {
     const Points near = VoxelsOf(Voxelize(mesh, Unscaled(lattice), {.set = Band{close / 2, false}}), shift);
     Flood::Marks thick = walls;
@@ -213,28 +178,22 @@ TEST_P(WalkOnLattice, ClosesHoles) {
     ASSERT_TRUE(enclosed.status.ok()) << enclosed.status;
     EXPECT_EQ(enclosed.points, flood.Unmarked(outside)) << close;
     EXPECT_EQ(enclosed.facts->cavities, flood.Cavities(thick, reached).size());
+    // A region in the box, unless it leaks, and the one around it.
+    for (const Vec3i& seed : {Vec3i{5, 5, 5}, Vec3i{-11, -11, -11}}) {
+      const size_t number = flood.NumberOf(ToOracle(seed));
+      const bool is_outside = seed[0] < 0, leaks = reached[number] != 0;
+      const Connected set{.seed = WorldOf(lattice, seed + shift), .close = close, .allow_outside = is_outside};
+      const Answer region = AnswerTo(mesh, lattice, {.separability = k, .set = set}, shift);
+      ASSERT_EQ(region.status.ok(), thick[number] == 0 && (is_outside || !leaks)) << close << region.status;
+      if (!region.status.ok()) continue;
+      const Flood::Marks from_seed = leaks ? reached : flood.FromSeed(thick, ToOracle(seed));
+      const Flood::Marks grown = flood.Grown(walls, from_seed, lattice.basis(), close / 2, leaks);
+      EXPECT_EQ(region.points, Within(region.box, flood.Marked(grown), shift)) << close;
+      EXPECT_FALSE(region.points.empty());
+      inner += is_outside ? 0 : 1;
+    }
   }
-}
-
-// A box of 8 steps a side. One face has a square hole of the given width, in units, around the line through the middle.
-oracle::Mesh BoxWithHole(int64_t width) {
-  const int64_t low = 100, high = low + 8 * 256, first = low + 1024 - width / 2, last = first + width;
-  oracle::Mesh mesh = Box({low, low, low}, {high, high, high});
-  mesh.erase(mesh.begin(), mesh.begin() + 2);  // the face -k
-  const auto add = [&](int64_t i0, int64_t j0, int64_t i1, int64_t j1) {
-    mesh.push_back({Int3{i0, j0, low}, Int3{i1, j1, low}, Int3{i1, j0, low}});
-    mesh.push_back({Int3{i0, j0, low}, Int3{i0, j1, low}, Int3{i1, j1, low}});
-  };
-  add(low, low, high, first);
-  add(low, last, high, high);
-  add(low, first, first, last);
-  add(last, first, high, last);
-  return mesh;
-}
-
-const Lattice& Cartesian() {
-  static const Lattice lattice = Lattice::Named(NamedLattice::kCartesian);
-  return lattice;
+  EXPECT_GT(inner, 0U);
 }
 
 // So fine a mesh has tiny triangles, whose links are found at once, and others. Distances need all of them.
@@ -284,63 +243,6 @@ TEST(Walk, OfMeshesWhoseTrianglesAreAllTiny) {
   }
 }
 
-// The line of points through the middle of the hole is 1124 units from 0, between the points 4 and 5.
-TEST(Walk, PassesAHoleOneStepWideAndNoNarrowerOne) {
-  for (const int64_t k : {0, 2}) {
-    const Connected inside{.seed = {4, 4, 4}, .close = 0, .allow_outside = false};
-    for (const auto& [width, leaks] : {std::pair<int64_t, bool>{180, false}, {1600, true}}) {
-      const TriangleMesh mesh = ToWorld(BoxWithHole(width), Cartesian());
-      const Answer region = AnswerTo(mesh, Cartesian(), {.separability = k, .set = inside}, {});
-      EXPECT_EQ(region.status.ok(), !leaks) << region.status;
-      const Answer enclosed = AnswerTo(mesh, Cartesian(), {.separability = k, .set = Enclosed{}}, {});
-      EXPECT_EQ(enclosed.facts->cavities, leaks ? 0U : 1U);
-    }
-  }
-}
-
-TEST(Walk, ExplainsALeak) {
-  const TriangleMesh mesh = ToWorld(BoxWithHole(900), Cartesian(), {70, 70, 70});
-  const Vec3d inside{74, 75, 74};
-  const Answer leaky = AnswerTo(mesh, Cartesian(), {.set = Enclosed{.leak_from = inside}}, {});
-  ASSERT_TRUE(leaky.status.ok() && leaky.facts && leaky.facts->leak) << leaky.status;
-  const Leak& leak = *leaky.facts->leak;
-  ASSERT_EQ(leak.kind, Leak::kFound);
-  EXPECT_EQ(leak.from, (Vec3i{74, 75, 74}));
-  EXPECT_EQ(leak.path.front(), leak.from);
-  EXPECT_EQ(leak.steps + 1, leak.path.size());
-  const Points walls = VoxelsOf(Voxelize(mesh, Unscaled(Cartesian()), {}));
-  for (size_t n = 0; n < leak.path.size(); ++n) {
-    EXPECT_FALSE(walls.contains(ToOracle(leak.path[n])));
-    if (n == 0) continue;
-    const Vec3i step = leak.path[n] - leak.path[n - 1];
-    EXPECT_EQ(std::max({std::abs(step[0]), std::abs(step[1]), std::abs(step[2])}), 1);
-  }
-  // It leads through the middle of the hole, which is at 74.39 along i and j and at 70.39 along k.
-  EXPECT_NEAR(leak.narrowest_world[0], 74.39, 1);
-  EXPECT_NEAR(leak.narrowest_world[1], 74.39, 1);
-  EXPECT_NEAR(leak.narrowest_world[2], 70.39, 1);
-  EXPECT_GT(leak.room, 1);
-  EXPECT_LT(leak.room, 1.77);
-  // Twice that room closes it.
-  const Answer closed = AnswerTo(mesh, Cartesian(), {.set = Enclosed{.close = 3.6, .leak_from = inside}}, {});
-  ASSERT_TRUE(closed.facts && closed.facts->leak);
-  EXPECT_EQ(closed.facts->leak->kind, Leak::kNone);
-  EXPECT_EQ(closed.facts->cavities, 1U);
-  const Connected seed{.seed = inside, .close = 0, .allow_outside = false};
-  const Answer region = AnswerTo(mesh, Cartesian(), {.set = seed}, {});
-  EXPECT_NE(region.status.message().find("through an opening around"), std::string::npos) << region.status;
-}
-
-TEST(Walk, RefusesASeedInTheSurface) {
-  const TriangleMesh mesh = ToWorld(BoxWithHole(2), Cartesian());
-  const Connected at_wall{.seed = {4.1, 4, 0.2}, .close = 0, .allow_outside = false};
-  const Answer answer = AnswerTo(mesh, Cartesian(), {.set = at_wall}, {});
-  EXPECT_EQ(answer.status.message(), "connected.seed: the nearest lattice point, 4,4,0, lies in the surface");
-  const Answer leak = AnswerTo(mesh, Cartesian(), {.set = Enclosed{.leak_from = Vec3d{4.1, 4, 0.2}}}, {});
-  ASSERT_TRUE(leak.facts && leak.facts->leak);
-  EXPECT_EQ(leak.facts->leak->kind, Leak::kInWall);
-}
-
 TEST(Walk, ContainsTheSolidOfAClosedMesh) {
   const TriangleMesh mesh = Sphere(40, Dose(75.0F, 40.0F));
   const Points solid = VoxelsOf(Voxelize(mesh, Unscaled(Cartesian()), {.set = Solid{}}));
@@ -360,37 +262,31 @@ TEST(Walk, ContainsTheSolidOfAClosedMesh) {
 TEST(Walk, PartsAreThoseOfTheWhole) {
   TriangleMesh mesh = Sphere(60, 75);
   mesh.triangles.erase(mesh.triangles.end() - 41);  // near the pole: a hole that no step fits through
+  const Grid grid = Unscaled(Cartesian());
   for (const double close : Dose<std::vector<double>>({0.0, 3.3}, {3.3})) {
-    const Enclosed set{.close = close};
-    const Result whole = Voxelize(mesh, Unscaled(Cartesian()), {.separability = 2, .set = set});
-    EXPECT_GT(whole.totals.voxels, 1'000'000U);
-    uint64_t voxels = 0;
-    Digest digest;
-    for (uint32_t index = 0; index < 3; ++index) {
-      const Result part =
-          Voxelize(mesh, Unscaled(Cartesian()), {.separability = 2, .shard = Shard{index, 3}, .set = set}, 1);
-      voxels += part.totals.voxels;
-      digest.Add(part.totals.digest);
-    }
-    EXPECT_EQ(voxels, whole.totals.voxels);
-    EXPECT_EQ(digest, whole.totals.digest);
-    const IndexBox box{{-20, 30, -71}, {3, 70, 40}};
-    const Result region = Voxelize(mesh, Unscaled(Cartesian()), {.separability = 2, .region = box, .set = set}, 1);
-    JobTotals expected;
-    for (const TileBricks& tile : whole.tiles) {
-      for (Brick brick : tile.bricks) {
-        ClipBrick(box, brick);
-        if (CountVoxels(brick.mask) == 0) continue;
-        expected.digest.Add(brick);
-        expected.voxels += CountVoxels(brick.mask);
+    for (const SetOption& set : Dose<std::vector<SetOption>>(
+             {Enclosed{.close = close}, Connected{{1, 2, 3}, close, false}, Connected{{-74, -74, -74}, close, true}},
+             {Enclosed{.close = close}, Connected{{1, 2, 3}, close, false}})) {
+      SCOPED_TRACE(testing::Message() << close << ' ' << set.index());
+      VoxelizeOptions options{.separability = 2, .set = set};
+      const Result whole = Voxelize(mesh, grid, options);
+      EXPECT_GT(whole.totals.voxels, 1'000'000U);
+      ExpectPartsAddUp(mesh, grid, options, whole);
+      options.region = IndexBox{{-20, 30, -71}, {3, 70, 40}};
+      JobTotals expected;
+      for (const TileBricks& tile : whole.tiles) {
+        for (Brick brick : tile.bricks) {
+          ClipBrick(*options.region, brick);
+          if (CountVoxels(brick.mask) == 0) continue;
+          expected.digest.Add(brick);
+          expected.voxels += CountVoxels(brick.mask);
+        }
       }
+      EXPECT_GT(expected.voxels, 0U);
+      const Result part = Voxelize(mesh, grid, options, 1);
+      EXPECT_EQ(part.totals.voxels, expected.voxels);
+      EXPECT_EQ(part.totals.digest, expected.digest);
     }
-    EXPECT_EQ(region.totals.voxels, expected.voxels);
-    EXPECT_EQ(region.totals.digest, expected.digest);
-    const size_t half = whole.tiles.size() / 2;
-    const Result rest = Voxelize(mesh, Unscaled(Cartesian()),
-                                 {.separability = 2, .resume_after = whole.tiles[half].tile_ijk, .set = set}, 1);
-    EXPECT_EQ(rest.tiles.size(), whole.tiles.size() - half - 1);
   }
 }
 
