@@ -30,16 +30,18 @@ absl::Status CheckExtent(int32_t n, size_t axis, int64_t extent) {
 
 // Vertices that no triangle uses are within the others' range, see Snap.
 absl::StatusOr<FinerMesh> MakeFinerMesh(const SnappedMesh& mesh, int32_t n, const Vec3i& offset, StopSignal stop) {
-  constexpr size_t kGrain = 4096;  // vertices for each task
+  constexpr size_t kGrain = 4096;  // vertices for each task, or between two looks at the stop signal
   constexpr int64_t kTileUnits = int64_t{kTileSide} * kLatticeUnit;
   Vec3i low = mesh.vertices_lat[0], high = low;
-  for (const Vec3i& v : mesh.vertices_lat) {
+  FinerMesh finer{{{}, {}, mesh.triangles, {}}, {}};
+  for (size_t n = 0; n < mesh.vertices_lat.size(); ++n) {
+    if (n % kGrain == 0 && stop.Stopped()) return finer;
+    const Vec3i& v = mesh.vertices_lat[n];
     for (size_t m = 0; m < 3; ++m) {
       low[m] = std::min(low[m], v[m]);
       high[m] = std::max(high[m], v[m]);
     }
   }
-  FinerMesh finer{{{}, {}, mesh.triangles, {}}, {}};
   Vec3l move;  // of all vertices, so that the lowest lie in the first tile
   for (size_t m = 0; m < 3; ++m) {
     const int64_t first = int64_t{low[m]} * n >> kSubvoxelBits, last = int64_t{high[m]} * n >> kSubvoxelBits;

@@ -34,7 +34,7 @@ std::vector<LabeledCrossing>::const_iterator FirstFrom(const std::vector<Labeled
 }  // namespace
 
 LabelBalance BalanceOfLabels(const SnappedMesh& mesh, const Labels& labels, const Solid& solid, StopSignal stop) {
-  const Labels::Groups groups = labels.ByRank();
+  const Labels::Groups groups = labels.ByRank(stop);
   const size_t count = labels.numbers.size();
   std::vector<PartBalance> balances(count);
   oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<size_t>(0, count), [&](const auto& ranks) {

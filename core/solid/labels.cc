@@ -16,6 +16,8 @@ namespace {
 
 static_assert(kMaxLabels - 1 <= std::numeric_limits<uint16_t>::max());
 
+constexpr size_t kPiece = 4096;  // triangles between two looks at the stop signal
+
 absl::Status TooMany(const LabelRequest& request) {
   const std::string name = NameOf(request.field), limit = absl::StrCat(request.most);
   return WithField(absl::ResourceExhaustedError(
@@ -51,7 +53,6 @@ absl::StatusOr<Labels> MakeLabels(const SnappedMesh& mesh, const LabelRequest& r
   labels.of_triangles.resize(mesh.triangles.size());
   absl::flat_hash_map<uint32_t, uint16_t> places;  // in labels.numbers
   uint32_t last = kNoLabel;                        // triangles of a label mostly follow each other
-  constexpr size_t kPiece = 4096;                  // triangles between two looks at the stop signal
   const auto number = [numbers = of_vertices.data() + place, stride](uint32_t v) { return numbers[v * stride]; };
   for (size_t t = 0; t < mesh.triangles.size(); ++t) {
     if (t % kPiece == 0 && stop.Stopped()) return labels;
@@ -68,7 +69,10 @@ absl::StatusOr<Labels> MakeLabels(const SnappedMesh& mesh, const LabelRequest& r
     labels.of_triangles[t] = found->second;
   }
   const std::vector<uint16_t> ranks = Rank(request.priority, labels.numbers);
-  for (uint16_t& rank : labels.of_triangles) rank = ranks[rank];
+  for (size_t t = 0; t < labels.of_triangles.size(); ++t) {
+    if (t % kPiece == 0 && stop.Stopped()) return labels;
+    labels.of_triangles[t] = ranks[labels.of_triangles[t]];
+  }
   return labels;
 }
 
@@ -86,12 +90,15 @@ absl::StatusOr<std::vector<uint32_t>> FractionLabelsOf(const Labels& labels, con
   return all;
 }
 
-Labels::Groups Labels::ByRank() const {
+Labels::Groups Labels::ByRank(StopSignal stop) const {
   Groups groups{std::vector<uint32_t>(of_triangles.size()), std::vector<size_t>(numbers.size() + 1)};
-  for (const uint16_t rank : of_triangles) ++groups.begins[rank + size_t{1}];
+  const auto for_each = [&](auto&& f) {
+    for (uint32_t t = 0; t < of_triangles.size() && (t % kPiece != 0 || !stop.Stopped()); ++t) f(t, of_triangles[t]);
+  };
+  for_each([&](uint32_t, size_t rank) { ++groups.begins[rank + 1]; });
   std::partial_sum(groups.begins.begin(), groups.begins.end(), groups.begins.begin());
   std::vector<size_t> next(groups.begins.begin(), groups.begins.end() - 1);
-  for (uint32_t t = 0; t < of_triangles.size(); ++t) groups.order[next[of_triangles[t]]++] = t;
+  if (!stop.Stopped()) for_each([&](uint32_t t, size_t rank) { groups.order[next[rank]++] = t; });
   return groups;
 }
 

@@ -30,7 +30,8 @@ struct Labels {
       return std::span(order).subspan(begins[rank], begins[rank + 1] - begins[rank]);
     }
   };
-  Groups ByRank() const;
+  // Once stopped, the result is meaningless, but has all ranks.
+  Groups ByRank(StopSignal stop) const;
 };
 
 // The bytes of memory for each triangle, with the groups.

@@ -6,11 +6,11 @@
 #include <cassert>
 #include <functional>
 #include <limits>
+#include <numeric>
 #include <span>
 #include <utility>
 
 #include "core/brick/label_runs.h"
-#include "core/solid/labels.h"
 
 namespace latvox {
 namespace {
@@ -20,39 +20,38 @@ constexpr int kLeastLevelOfBlocks = 2;
 
 constexpr uint32_t kNone = std::numeric_limits<uint32_t>::max();
 
+// Calls f(n) for the numbers below `count` until it is stopped.
+template <class F>
+void ForEachUntilStopped(size_t count, StopSignal stop, const F& f) {
+  constexpr size_t kPiece = 4096;  // numbers between two looks at the stop signal
+  for (size_t n = 0; n < count && (n % kPiece != 0 || !stop.Stopped()); ++n) f(n);
+}
+
 // The part of a mesh with some of its triangles. It shares the vertices of all, and has the whole mesh's box. So all
 // labels' cubes of tiles are the same, and the nodes of one tree fit all walks.
-SnappedMesh PartOf(const SnappedMesh& mesh, std::span<const uint32_t> triangles) {
+SnappedMesh PartOf(const SnappedMesh& mesh, std::span<const uint32_t> triangles, StopSignal stop) {
   std::vector<std::array<uint32_t, 3>> corners(triangles.size());
-  for (size_t n = 0; n < triangles.size(); ++n) corners[n] = mesh.triangles[triangles[n]];
+  ForEachUntilStopped(triangles.size(), stop, [&](size_t n) { corners[n] = mesh.triangles[triangles[n]]; });
   return {mesh.base_ijk, mesh.vertices_lat, std::move(corners), mesh.box};
 }
 
 // Whether a lattice point lies in the box around the triangles.
-bool SurroundsPoint(const SnappedMesh& mesh, const Vec3i& ijk) {
+bool SurroundsPoint(const SnappedMesh& mesh, const Vec3i& ijk, StopSignal stop) {
   constexpr int32_t kMost = std::numeric_limits<int32_t>::max();
   Vec3i low{kMost, kMost, kMost}, high{-kMost, -kMost, -kMost};
-  for (const std::array<uint32_t, 3>& corners : mesh.triangles) {
-    for (const uint32_t vertex : corners) {
+  ForEachUntilStopped(mesh.triangles.size(), stop, [&](size_t t) {
+    for (const Vec3i& corner : mesh.TriangleAt(t)) {
       for (size_t m = 0; m < 3; ++m) {
-        low[m] = std::min(low[m], mesh.vertices_lat[vertex][m]);
-        high[m] = std::max(high[m], mesh.vertices_lat[vertex][m]);
+        low[m] = std::min(low[m], corner[m]);
+        high[m] = std::max(high[m], corner[m]);
       }
     }
-  }
+  });
   for (size_t m = 0; m < 3; ++m) {
     const int64_t at = int64_t{ijk[m]} * kLatticeUnit;  // the point may be far away
     if (at < low[m] || at > high[m]) return false;
   }
   return true;
-}
-
-// The triangles of a rank, among the sorted ones of LabeledWalk::ByRank.
-std::vector<uint32_t> OfRank(std::span<const uint64_t> by_rank, size_t rank) {
-  const auto first = std::ranges::lower_bound(by_rank, uint64_t{rank} << 32);
-  std::vector<uint32_t> places;
-  for (auto at = first; at != by_rank.end() && *at >> 32 == rank; ++at) places.push_back(static_cast<uint32_t>(*at));
-  return places;
 }
 
 // Notes where the runs of these points of a row begin and end. All of them have this label. No other label gets them,
@@ -115,13 +114,13 @@ absl::StatusOr<std::unique_ptr<const Walk>> MakeWalk(const ExactPlan& plan, std:
 absl::StatusOr<std::unique_ptr<const LabeledWalk>> LabeledWalk::Make(const ExactPlan& plan, StopSignal stop) {
   const SnappedMesh& mesh = plan.input.mesh;
   const Labels& labels = *plan.labels;
-  const Labels::Groups groups = labels.ByRank();
+  const Labels::Groups groups = labels.ByRank(stop);
   std::unique_ptr<LabeledWalk> made(new LabeledWalk(plan));
   size_t packed_bytes = kMostPackedBytes;
   ScanPool<WalkScan> scans;  // new ones for each label would take a third of the time of a thousand small labels
   for (size_t rank = 0; rank < labels.numbers.size(); ++rank) {
     const std::span<const uint32_t> triangles = groups.Of(rank);
-    auto status = made->AddLabel(PartOf(mesh, triangles), triangles, packed_bytes, scans, stop);
+    auto status = made->AddLabel(PartOf(mesh, triangles, stop), triangles, packed_bytes, scans, stop);
     if (!status.ok()) return status;
     const Walk& walk = *made->labels_.back().walk;
     packed_bytes -= walk.packed_bytes();
@@ -137,7 +136,7 @@ absl::Status LabeledWalk::AddLabel(SnappedMesh mesh, std::span<const uint32_t> t
   const ExactInput& whole = plan_.input;
   WalkPlan walk = *whole.walk;
   walk.most_packed_bytes = packed_bytes;
-  if (walk.start && (leaks_ == kMostLeaks || !SurroundsPoint(mesh, *walk.start))) walk.start = std::nullopt;
+  if (walk.start && (leaks_ == kMostLeaks || !SurroundsPoint(mesh, *walk.start, stop))) walk.start = std::nullopt;
   WalkSet set;
   set.surface.minimal = plan_.minimal;
   auto plan = MakeExactPlan({.mesh = std::move(mesh),
@@ -151,8 +150,9 @@ absl::Status LabeledWalk::AddLabel(SnappedMesh mesh, std::span<const uint32_t> t
                             VoxelRequest{.set = set}, stop);
   if (!plan.ok()) return plan.status();
   const std::optional<std::vector<uint32_t>> kept = std::exchange((*plan)->kept, std::nullopt);
-  for (uint32_t n = 0; n < triangles.size(); ++n) places_[triangles[n]] = kept ? kNone : n;
-  for (size_t n = 0; kept && n < kept->size(); ++n) places_[triangles[(*kept)[n]]] = (*kept)[n];
+  ForEachUntilStopped(triangles.size(), stop,
+                      [&](size_t n) { places_[triangles[n]] = kept ? kNone : static_cast<uint32_t>(n); });
+  ForEachUntilStopped(kept ? kept->size() : 0, stop, [&](size_t n) { places_[triangles[(*kept)[n]]] = (*kept)[n]; });
   auto made = MakeWalk(**plan, kept, scans, stop);
   if (!made.ok()) return made.status();
   const std::optional<Leak>& leak = (*made)->facts().leak;
@@ -175,14 +175,22 @@ bool LabeledWalk::MayHold(const Vec3i& tile_ijk, int level) const {
   return std::ranges::any_of(labels_, [&](const OfLabel& of_label) { return of_label.walk->MayHold(tile_ijk, level); });
 }
 
-// The rank and the place of each triangle that its label keeps, ascending.
-std::vector<uint64_t> LabeledWalk::ByRank(std::span<const uint32_t> triangles) const {
-  std::vector<uint64_t> by_rank;
-  for (const uint32_t t : triangles) {
-    if (places_[t] != kNone) by_rank.push_back(uint64_t{plan_.labels->of_triangles[t]} << 32 | places_[t]);
-  }
-  std::ranges::sort(by_rank);
-  return by_rank;
+// The places of the triangles that their labels keep, ascending within each rank. Once stopped, they are incomplete.
+Labels::Groups LabeledWalk::ByRank(std::span<const uint32_t> triangles, StopSignal stop) const {
+  const std::vector<uint16_t>& ranks = plan_.labels->of_triangles;
+  Labels::Groups groups{{}, std::vector<size_t>(plan_.labels->numbers.size() + 1)};
+  ForEachUntilStopped(triangles.size(), stop, [&](size_t n) {
+    if (places_[triangles[n]] != kNone) ++groups.begins[ranks[triangles[n]] + size_t{1}];
+  });
+  std::partial_sum(groups.begins.begin(), groups.begins.end(), groups.begins.begin());
+  groups.order.resize(groups.begins.back());
+  if (stop.Stopped()) return groups;
+  std::vector<size_t> next(groups.begins.begin(), groups.begins.end() - 1);
+  ForEachUntilStopped(triangles.size(), stop, [&](size_t n) {
+    const uint32_t t = triangles[n];
+    if (places_[t] != kNone) groups.order[next[ranks[t]]++] = places_[t];
+  });
+  return groups;
 }
 
 // From the highest priority down, each label gets the points that are left.
@@ -198,11 +206,12 @@ void LabeledWalk::FindTile(const TileContext& context, const TileNode& node, Lab
     TileNode of_label{node.tile_ijk, 0, {}, {}, 0, 0};
     if (walk->NeedsTriangles(node.tile_ijk)) {
       if (!std::exchange(is_sorted, true)) {
-        scan.near = ByRank(node.triangles);
-        scan.fringe = ByRank(node.fringe);
+        scan.near = ByRank(node.triangles, context.stop);
+        scan.fringe = ByRank(node.fringe, context.stop);
       }
-      of_label.triangles = OfRank(scan.near, rank);
-      of_label.fringe = OfRank(scan.fringe, rank);
+      const std::span<const uint32_t> near = scan.near.Of(rank), fringe = scan.fringe.Of(rank);
+      of_label.triangles.assign(near.begin(), near.end());
+      of_label.fringe.assign(fringe.begin(), fringe.end());
     }
     bool has_walls = false;
     walk->FindTile(plan->Context(context.stop), of_label, node.tile_ijk, scan.of_label, has_walls);

@@ -16,6 +16,7 @@
 #include "core/block/scan_pool.h"
 #include "core/brick/brick.h"
 #include "core/brick/filled_tiles.h"
+#include "core/solid/labels.h"
 #include "core/tree/tile_tree.h"
 #include "core/voxelizer/exact_plan.h"
 #include "core/walk/facts.h"
@@ -33,8 +34,8 @@ absl::StatusOr<std::unique_ptr<const Walk>> MakeWalk(const ExactPlan& plan, std:
 // The memory of one thread, which it reuses from tile to tile.
 struct LabeledWalkScan {
   WalkScan of_label;
-  TileRows taken;                      // the points of the labels so far
-  std::vector<uint64_t> near, fringe;  // the node's triangles, by rank: see LabeledWalk
+  TileRows taken;               // the points of the labels so far
+  Labels::Groups near, fringe;  // the places of the node's triangles in their labels' meshes, by rank
   // Where labels meet: the points at which runs of a label, or of no label, begin; and the labels of these, row by row.
   TileRows starts;
   std::vector<uint32_t> of_starts = {};
@@ -72,7 +73,7 @@ class LabeledWalk : public FilledTiles {
 
   absl::Status AddLabel(SnappedMesh mesh, std::span<const uint32_t> triangles, size_t packed_bytes,
                         ScanPool<WalkScan>& scans, StopSignal stop);
-  std::vector<uint64_t> ByRank(std::span<const uint32_t> triangles) const;
+  Labels::Groups ByRank(std::span<const uint32_t> triangles, StopSignal stop) const;
   void AddFacts(uint32_t label, const WalkFacts& facts);
 
   const ExactPlan& plan_;

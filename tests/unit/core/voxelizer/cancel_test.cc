@@ -7,8 +7,13 @@
 #include <random>
 #include <string>
 #include <utility>
+#include <vector>
 
+#include "core/base/stop_signal.h"
+#include "core/snap/finer_mesh.h"
+#include "core/solid/labels.h"
 #include "core/voxelizer/voxelizer.h"
+#include "core/voxelizer/walk_estimate.h"
 #include "tests/unit/core/job_kinds.h"
 #include "tests/unit/core/most_to_stop.h"
 
@@ -44,6 +49,47 @@ INSTANTIATE_TEST_SUITE_P(Cancelling, EveryKindOfJob, testing::ValuesIn(JobKinds(
   std::erase_if(name, [](char c) { return std::isalnum(static_cast<unsigned char>(c)) == 0; });
   return name;
 });
+
+// A walk of labels copies and sorts each label's triangles before it looks at any.
+TEST(Cancelling, StopsALabeledWalkOfManyTrianglesInFewVoxels) {
+  const auto heap = [](uint32_t tetrahedra) { return HeapOfTetrahedra(tetrahedra, 2, 0.5); };
+  const JobKind kind{
+      "", 0, {.set = Enclosed{.leak_from = Vec3d{1, 1, 1}, .labels = Field::kPart}, .fields = {Field::kPart}}};
+  EXPECT_LT(MostToStopJob(400000, heap, kind), kPromised);
+}
+
+// All vertices are looked at before any is moved.
+TEST(Cancelling, StopsToMakeAFinerMesh) {
+  SnappedMesh mesh;
+  PaddedVector<Vec3i> vertices(1 << 20);
+  for (size_t n = 0; n < vertices.size(); ++n) vertices[n] = {static_cast<int32_t>(8 * n), 0, 0};
+  mesh.vertices_lat = std::move(vertices);
+  StopSource stop;
+  stop.Stop();
+  const auto finer = MakeFinerMesh(mesh, 16, {0, 0, 0}, stop.Signal());
+  ASSERT_TRUE(finer.ok()) << finer.status();  // the range of all vertices would be an error
+  EXPECT_TRUE(MakeFinerMesh(mesh, 16, {0, 0, 0}).status().code() == absl::StatusCode::kResourceExhausted);
+}
+
+TEST(Cancelling, StopsToCountLabels) {
+  TriangleMesh mesh = HeapOfTetrahedra(10000);
+  const JobKind kind{"", 0, {.set = Enclosed{.labels = Field::kPart}, .fields = {Field::kPart}}};
+  for (uint32_t n = 0; n < mesh.vertices.size(); ++n) mesh.attributes.push_back(n % 7);
+  const absl::StatusOr<VoxelRequest> request = MakeRequest(kind.options);
+  ASSERT_TRUE(request.ok()) << request.status();
+  StopSource stop;
+  EXPECT_EQ(MostWalks(mesh, *request, stop.Signal()), 7);
+  stop.Stop();
+  EXPECT_EQ(MostWalks(mesh, *request, stop.Signal()), 0);
+}
+
+TEST(Cancelling, StopsToSortTrianglesByLabel) {
+  Labels labels{.numbers = {5, 9}, .of_triangles = std::vector<uint16_t>(100000, 1)};
+  StopSource stop;
+  EXPECT_EQ(labels.ByRank(stop.Signal()).Of(1).size(), 100000U);
+  stop.Stop();
+  EXPECT_EQ(labels.ByRank(stop.Signal()).Of(1).size(), 0U);
+}
 
 struct Interrupting : Digitizing {
   void Cancel() { job->Interrupt(); }
