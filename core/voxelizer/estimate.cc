@@ -10,8 +10,8 @@
 #include <numbers>
 #include <type_traits>
 
-#include "absl/container/flat_hash_set.h"
 #include "core/snap/mesh_range.h"
+#include "core/voxelizer/walk_estimate.h"
 #include "core/voxelizer/world_box.h"
 
 namespace latvox {
@@ -261,31 +261,6 @@ double EstimateVoxels(const TriangleMesh& mesh, const MeshExtent& extent, const 
   return Delivered(voxels, grid, request);
 }
 
-double MostWalks(const TriangleMesh& mesh, const VoxelRequest& request) {
-  if (request.walk() == nullptr) return 0;
-  const std::optional<LabelRequest> labels = request.labels();
-  if (!labels) return 1;
-  const FieldList of_mesh = request.fields.OfMesh();
-  const auto place = static_cast<size_t>(std::ranges::find(of_mesh, labels->field) - of_mesh.begin());
-  absl::flat_hash_set<uint32_t> numbers;
-  for (size_t n = place; n < mesh.attributes.size() && numbers.size() < labels->most; n += of_mesh.size()) {
-    numbers.insert(mesh.attributes[n]);
-  }
-  return static_cast<double>(numbers.size());
-}
-
-// A plane meets up to three tiles for each of its area, and a mesh bends.
-double EstimateWallTiles(const MeshExtent& extent, const Grid& grid, const VoxelRequest& request, double walks) {
-  constexpr double kTilesOfArea = 6, kFewTiles = 64;
-  if (request.walk() == nullptr) return 0;
-  const double side = kTileSide * grid.lattice.voxel_size();
-  double in_box = 1;
-  for (size_t m = 0; m < 3; ++m) in_box *= (extent.bounds.max[m] - extent.bounds.min[m]) / side + 2;
-  const double thickness = 1 + request.walk()->close / side;
-  return std::min(kTilesOfArea * extent.area / (side * side) * thickness + kFewTiles * thickness * thickness * walks,
-                  2 * in_box * thickness * walks);
-}
-
 // A line along k stands for a cell's volume over its length. Triangles face it in part, at most in full. Slivers meet
 // more lines than their area suggests, but never more than their box of i and j holds, or than it has rows and columns.
 double EstimateLineCrossings(const TriangleMesh& mesh, const Grid& grid, StopSignal stop) {
@@ -343,7 +318,7 @@ double EstimateVisits(const TriangleMesh& mesh, const MeshExtent& extent, const 
   if (request.is_filled()) visits += EstimateInterior(extent, size, HasClosedMesh(request));
   visits = VisitsOfPart(visits, most, grid, request);
   if (request.walk() != nullptr) visits += of_surface + VisitsOfClosing(mesh, extent, *request.walk(), size, stop);
-  if (request.walk() != nullptr && request.labels()) visits += kVisitsOfWalk * MostWalks(mesh, request);
+  if (request.walk() != nullptr && request.labels()) visits += kVisitsOfWalk * MostWalks(mesh, request, stop);
   if (request.is_supercover()) visits += kVisitsPerTriangle * static_cast<double>(mesh.triangles.size());
   if (request.fields.empty() && request.links() == nullptr) return visits;
   const double ends = Delivered(found, grid, request);

@@ -56,14 +56,6 @@ double EstimateVisits(const TriangleMesh& mesh, const MeshExtent& extent, const 
 // Estimates the milliseconds of a job on one core. `visits`: as EstimateVisits says, which counts the work of fields.
 double EstimateMilliseconds(const VoxelRequest& request, uint64_t triangles, double visits);
 
-// Returns how many walks the request takes at most: one for each label, or one; 0 without a walk. A label is the number
-// of a vertex. Takes one pass over the vertices.
-double MostWalks(const TriangleMesh& mesh, const VoxelRequest& request);
-
-// Estimates the number of tiles that the walks of the request find walls in or near, whatever part it delivers; 0
-// without a walk. A tile counts for each walk.
-double EstimateWallTiles(const MeshExtent& extent, const Grid& grid, const VoxelRequest& request, double walks);
-
 // Estimates the number of crossings of lattice lines along k with the whole mesh: twice the number for a mesh that
 // faces the lines everywhere, and more for slivers. Takes one pass, as above.
 double EstimateLineCrossings(const TriangleMesh& mesh, const Grid& grid, StopSignal stop = {});

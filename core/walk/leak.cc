@@ -62,29 +62,31 @@ class WaySearch {
   std::vector<uint8_t> from_;  // by point: 0, or 1 + the number of the step that led there
 };
 
-// Breadth first from all walls at once.
+// Breadth first from all walls at once. Walls may be most of the points, so they are not listed.
 void WaySearch::FindClearances() {
   std::vector<uint32_t> shell, next;
-  for (uint32_t n = 0; n < clearance_.size(); ++n) {
-    if (clearance_[n] == 0) {
-      shell.push_back(n);
-    } else {
-      clearance_[n] = kUnknown;
+  const auto look_around = [&](uint32_t n, uint8_t steps) {
+    const Vec3i at = PointAt(n);
+    for (const Vec3i& q : steps_) {
+      const uint32_t other = NumberOf(at + q);
+      if (other == kOutside || clearance_[other] != kUnknown) continue;
+      clearance_[other] = steps;
+      next.push_back(other);
     }
+  };
+  std::ranges::replace_if(
+      clearance_, [](uint8_t clearance) { return clearance != 0; }, kUnknown);
+  for (uint32_t n = 0; n < clearance_.size(); ++n) {
+    if (IsStopped()) return;
+    if (clearance_[n] == 0) look_around(n, 1);
   }
-  for (uint8_t steps = 1; !shell.empty() && !stop_.Stopped(); steps = std::min<uint8_t>(steps + 1, kMostClearance)) {
+  for (uint8_t steps = 2; !next.empty() && !stop_.Stopped(); steps = std::min<uint8_t>(steps + 1, kMostClearance)) {
+    shell.swap(next);
     next.clear();
     for (const uint32_t n : shell) {
       if (IsStopped()) return;
-      const Vec3i at = PointAt(n);
-      for (const Vec3i& q : steps_) {
-        const uint32_t other = NumberOf(at + q);
-        if (other == kOutside || clearance_[other] != kUnknown) continue;
-        clearance_[other] = steps;
-        next.push_back(other);
-      }
+      look_around(n, steps);
     }
-    shell.swap(next);
   }
 }
 
@@ -103,8 +105,10 @@ std::vector<uint32_t> WaySearch::Climb(uint32_t from) const {
   }
 }
 
+// Shell by shell, so that few points wait at a time.
 uint8_t WaySearch::WidthFrom(uint32_t from) {
   std::array<std::vector<uint32_t>, 256> todo;
+  std::vector<uint32_t> shell;
   from_.assign(clearance_.size(), 0);
   uint8_t width = clearance_[from];
   todo[width].push_back(from);
@@ -114,15 +118,18 @@ uint8_t WaySearch::WidthFrom(uint32_t from) {
       --width;
       continue;
     }
-    if (IsStopped()) return 0;
-    const Vec3i at = PointAt(todo[width].back());
-    todo[width].pop_back();
-    for (const Vec3i& q : steps_) {
-      const uint32_t other = NumberOf(at + q);
-      if (other == kOutside) return width;
-      if (clearance_[other] == 0 || from_[other] != 0) continue;
-      from_[other] = 1;
-      todo[std::min(width, clearance_[other])].push_back(other);
+    shell.clear();
+    shell.swap(todo[width]);
+    for (const uint32_t n : shell) {
+      if (IsStopped()) return 0;
+      const Vec3i at = PointAt(n);
+      for (const Vec3i& q : steps_) {
+        const uint32_t other = NumberOf(at + q);
+        if (other == kOutside) return width;
+        if (clearance_[other] == 0 || from_[other] != 0) continue;
+        from_[other] = 1;
+        todo[std::min(width, clearance_[other])].push_back(other);
+      }
     }
   }
   return 0;
@@ -132,22 +139,24 @@ uint8_t WaySearch::WidthFrom(uint32_t from) {
 std::vector<uint32_t> WaySearch::WidestFrom(uint32_t from, uint8_t width, Vec3i& outside) {
   from_.assign(clearance_.size(), 0);
   from_[from] = kUnknown;
-  std::vector<uint32_t> turn{from}, next_turn;
-  for (; !turn.empty(); turn = std::exchange(next_turn, {})) {
-    for (size_t n = 0; n < turn.size(); ++n) {  // it grows
+  std::vector<uint32_t> turn{from}, next_turn, shell;
+  while (!turn.empty()) {
+    shell = std::exchange(turn, {});
+    for (const uint32_t n : shell) {
       if (IsStopped()) return {};
-      const Vec3i at = PointAt(turn[n]);
+      const Vec3i at = PointAt(n);
       for (size_t step = 0; step < steps_.size(); ++step) {
         const uint32_t other = NumberOf(at + steps_[step]);
         if (other == kOutside) {
           outside = at + steps_[step];
-          return WayTo(turn[n], from);
+          return WayTo(n, from);
         }
         if (clearance_[other] < width || from_[other] != 0) continue;
         from_[other] = static_cast<uint8_t>(step + 1);
         (clearance_[other] == width ? next_turn : turn).push_back(other);
       }
     }
+    if (turn.empty()) turn = std::exchange(next_turn, {});
   }
   return {};
 }

@@ -182,14 +182,15 @@ JobEstimate Computation::EstimateJob(const TriangleMesh& mesh, double voxels) co
   const Solid* const solid = spec_.request.solid();
   const bool keeps_crossings = solid != nullptr && solid->force_open;
   const double crossings = keeps_crossings ? EstimateLineCrossings(mesh, *grid_, stop_.Signal()) : 0;
-  const double walks = MostWalks(mesh, spec_.request);
+  const MeshExtent& extent = mesh_of_job().extent;
+  const double walks = MostWalks(mesh, spec_.request, stop_.Signal());
   return {voxels,
           crossings,
           source_.bounds,
           grid_->lattice.voxel_size(),
           walks,
-          EstimateWallTiles(mesh_of_job().extent, *grid_, spec_.request, walks),
-          walks > 0 ? MostPointsIn(*grid_, source_.bounds) : 0};
+          MostWallTiles(mesh, extent, *grid_, spec_.request, walks, stop_.Signal()),
+          MostWalkPoints(extent, *grid_, spec_.request)};
 }
 
 // Verification counts without tiles, and takes some twenty times as long as the scan.

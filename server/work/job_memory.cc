@@ -11,6 +11,7 @@
 #include "core/solid/labels.h"
 #include "core/voxelizer/labeled_walk.h"
 #include "core/walk/facts.h"
+#include "core/walk/growth.h"
 #include "core/walk/packed_pieces.h"
 
 namespace latvox {
@@ -134,11 +135,11 @@ uint64_t JobMemory::BytesOfWalk(const JobEstimate& estimate) const {
   const double packed = std::min(estimate.wall_tiles * kBytesPerPackedTile, double{kMostPackedBytes});
   const double per_tile = kBytesPerWallTile + (closes ? double{kBytesPerReachedTile} : 0);
   const bool finds_leak = walk->leak_from || (walk->seed && !walk->allow_outside);
-  const bool has_room = estimate.box_points <= static_cast<double>(kMostLeakPoints);
-  const double leak = finds_leak && has_room ? estimate.box_points * kBytesPerLeakPoint : 0;
+  const double searched = std::min(estimate.walk_points, static_cast<double>(kMostLeakPoints));
+  const double leak = finds_leak ? searched * kBytesPerLeakPoint : 0;
   const double of_labels = request_.labels() ? estimate.walks * double{kLabeledWalkBytesPerLabel} : 0;
   return threads_ * (kSolidThreadBytes + (request_.labels() ? kLabelThreadBytes : 0)) +
-         ToBytes(estimate.wall_tiles * per_tile + packed + leak + of_labels);
+         (closes ? Ball::kMostBytes : 0) + ToBytes(estimate.wall_tiles * per_tile + packed + leak + of_labels);
 }
 
 // More for a job that thins: a block's share of the voxels, if they are spread over the requested part of the mesh's

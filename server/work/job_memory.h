@@ -19,8 +19,8 @@ struct JobEstimate {
   Bounds bounds;              // of the mesh, world units
   double voxel_size = 0;      // world units
   double walks = 0;           // the number of walks: one for each label
-  double wall_tiles = 0;      // the tiles that these find walls in or near
-  double box_points = 0;      // the lattice points of the mesh's box
+  double wall_tiles = 0;      // the most tiles that these find walls in or near
+  double walk_points = 0;     // the most lattice points of the box that they look at
 };
 
 // Each step reserves its memory before it allocates it:

@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/walk/facts.h"
+#include "core/walk/growth.h"
 #include "server/base/errors.h"
 
 namespace latvox {
@@ -119,6 +121,22 @@ TEST(JobMemory, ReservesForTheWalkOfEachLabel) {
   JobEstimate estimate;
   estimate.walks = 5;
   EXPECT_EQ(AddedForJob(labeled, estimate), AddedForJob(plain, estimate) + 3 * 12 * kMebibyte + 5 * 64 * 1024);
+}
+
+TEST(JobMemory, ReservesForReachedTilesAndTheSearchForALeak) {
+  WalkSet walk;
+  walk.surface.minimal = false;
+  JobEstimate estimate;
+  estimate.walk_points = 1e9;
+  const uint64_t none = AddedForJob({.set = walk}, estimate);
+  walk.leak_from = Vec3d{0, 0, 0};
+  EXPECT_EQ(AddedForJob({.set = walk}, estimate), none + 2 * kMostLeakPoints);
+  estimate.walk_points = 1000;
+  EXPECT_EQ(AddedForJob({.set = walk}, estimate), none + 2 * 1000);
+  walk.leak_from.reset();
+  walk.close = 3;
+  estimate.wall_tiles = 10;
+  EXPECT_EQ(AddedForJob({.set = walk}, estimate), none + Ball::kMostBytes + 10 * (300 + (32 << 10) + (24 << 10)));
 }
 
 TEST(JobMemory, HoldsTheEncodedMeshUntilItIsDecoded) {

@@ -1,0 +1,182 @@
+// The estimates of what walks need are upper bounds, and no careless ones.
+#include "core/voxelizer/walk_estimate.h"
+
+#include <gtest/gtest.h>
+#include <malloc.h>
+#include <oneapi/tbb/task_arena.h>
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <new>
+#include <random>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/voxelizer/voxelizer.h"
+#include "core/walk/facts.h"
+#include "tests/unit/core/exact.h"
+#include "tests/unit/core/sphere.h"
+#include "tests/unit/core/walk/answers.h"
+
+namespace {
+
+std::atomic<size_t> held = 0, most_held = 0;  // bytes
+
+void* Allocate(size_t size) {
+  void* const memory = std::malloc(size);
+  if (memory == nullptr) throw std::bad_alloc();
+  const size_t now = held += malloc_usable_size(memory);
+  for (size_t most = most_held; most < now && !most_held.compare_exchange_weak(most, now);) continue;
+  return memory;
+}
+
+void Free(void* memory) {
+  held -= malloc_usable_size(memory);
+  std::free(memory);
+}
+
+}  // namespace
+
+void* operator new(size_t size) { return Allocate(size); }
+void* operator new[](size_t size) { return Allocate(size); }
+void operator delete(void* memory) noexcept { Free(memory); }
+void operator delete[](void* memory) noexcept { Free(memory); }
+void operator delete(void* memory, size_t) noexcept { Free(memory); }
+void operator delete[](void* memory, size_t) noexcept { Free(memory); }
+
+namespace latvox {
+namespace {
+
+// With `close`, a tile that the walk reaches in part takes its points, and what a tile without `close` takes.
+constexpr double kBytesPerTile = kBytesPerReachedTile + 300;
+
+struct Measured {
+  double bytes;  // that the walks keep
+  double bound;
+};
+
+Measured Measure(const TriangleMesh& mesh, const Grid& grid, const VoxelizeOptions& options) {
+  const VoxelRequest request = MakeRequest(options).value();
+  const MeshExtent extent = ExtentOf(mesh);
+  const double tiles = MostWallTiles(mesh, extent, grid, request, MostWalks(mesh, request));
+  auto job = VoxelizeJob::Create(mesh, grid, options).value();
+  const size_t before = held;
+  oneapi::tbb::task_arena(1).execute([&] { EXPECT_TRUE(job->Prepare().ok()); });
+  return {static_cast<double>(held - before), tiles * kBytesPerTile};
+}
+
+TriangleMesh Triangle(const Vec3f& at, const Vec3f& e, const Vec3f& f) { return {{at, at + e, at + f}, {{0, 1, 2}}}; }
+
+void Append(const TriangleMesh& more, TriangleMesh& mesh) {
+  const auto first = static_cast<uint32_t>(mesh.vertices.size());
+  mesh.vertices.insert(mesh.vertices.end(), more.vertices.begin(), more.vertices.end());
+  for (const auto& [a, b, c] : more.triangles) mesh.triangles.push_back({first + a, first + b, first + c});
+}
+
+// Small triangles far from each other.
+TriangleMesh Dust(int count, float side) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> place(0, side);
+  TriangleMesh dust;
+  for (int n = 0; n < count; ++n) {
+    Append(Triangle({place(random), place(random), place(random)}, {1, 0, 0}, {0, 1, 0.5F}), dust);
+  }
+  return dust;
+}
+
+struct Case {
+  std::string name;
+  TriangleMesh mesh;
+  double close;  // voxel sizes
+};
+
+std::vector<Case> Cases() {
+  return {{"a small triangle", Triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0.5F}), 300},
+          {"a large triangle", Triangle({0, 0, 0}, {900, 40, 30}, {-70, 850, 500}), 40},
+          {"a needle", Triangle({0, 0, 0}, {1700, 1600, 1500}, {1700, 1600, 1501}), 60},
+          {"dust", Dust(40, 1500), 100},
+          {"a sphere", Sphere(60, 200), 20}};
+}
+
+TEST(WallTiles, AreNoMoreThanTheBound) {
+  for (const NamedLattice name : {NamedLattice::kCartesian, NamedLattice::kBcc, NamedLattice::kFcc}) {
+    const Grid grid = Unscaled(Lattice::Named(name));
+    for (const auto& [of, mesh, close] : Cases()) {
+      SCOPED_TRACE(of);
+      const double width = close * grid.lattice.voxel_size();
+      const auto [bytes, bound] = Measure(mesh, grid, {.set = Enclosed{.close = width}});
+      EXPECT_GT(bytes, 10 * kBytesPerTile);
+      EXPECT_LE(bytes, bound);
+      EXPECT_LE(bound, 12 * bytes);
+    }
+  }
+}
+
+TEST(WallTiles, CountForEachLabel) {
+  const Grid grid = Unscaled(Lattice::Named(NamedLattice::kCartesian));
+  TriangleMesh mesh;
+  for (uint32_t label = 0; label < 12; ++label) {
+    const float at = static_cast<float>(label);
+    Append(Triangle({at, 2 * at, 0}, {1, 0, 0}, {0, 1, 0.5F}), mesh);
+    mesh.attributes.insert(mesh.attributes.end(), 3, label);
+  }
+  const VoxelizeOptions options{.set = Enclosed{.close = 200, .labels = Field::kPart}, .fields = {Field::kPart}};
+  const auto [bytes, bound] = Measure(mesh, grid, options);
+  EXPECT_GT(bytes, 12 * 20 * kBytesPerTile);
+  EXPECT_LE(bytes, bound);
+  EXPECT_LE(bound, 4 * bytes);
+}
+
+// So many triangles far apart that cubes of tiles become larger.
+TEST(WallTiles, OfVeryManyAreCountedInLargerCubes) {
+  const Grid grid = Unscaled(Lattice::Named(NamedLattice::kCartesian));
+  const TriangleMesh mesh = Dust(400000, 60000);
+  const VoxelRequest request = MakeRequest({.set = Enclosed{}}).value();
+  const double tiles = MostWallTiles(mesh, ExtentOf(mesh), grid, request, 1);
+  EXPECT_GE(tiles, 400000);
+  EXPECT_LE(tiles, 8 * 400000);
+}
+
+TEST(WalkPoints, HoldWhatCloseKeepsTheWalkOutOf) {
+  for (const NamedLattice name : {NamedLattice::kCartesian, NamedLattice::kBcc}) {
+    const Grid grid = Unscaled(Lattice::Named(name));
+    const TriangleMesh mesh = Triangle({0, 0, 0}, {9, 0, 0}, {0, 8, 7});
+    for (const double close : {0.0, 50.0}) {
+      const VoxelizeOptions options{.set = Enclosed{.close = close, .leak_from = Vec3d{-200, 0, 0}}};
+      auto job = VoxelizeJob::Create(mesh, grid, options).value();
+      ASSERT_TRUE(job->Prepare().ok());
+      const auto points = static_cast<double>(job->facts().walk->leak->box_points);
+      const double most = MostWalkPoints(ExtentOf(mesh), grid, MakeRequest(options).value());
+      EXPECT_LE(points, most);
+      EXPECT_LE(most, 40 * points);
+    }
+  }
+}
+
+// A room without one of its outer triangles. The way leads through most of it.
+TEST(WalkPoints, TakeTwoBytesEachInTheSearchForALeak) {
+  oracle::Mesh room = Box({0, 0, 0}, {50000, 50000, 50000});
+  room.erase(room.begin());
+  const Lattice lattice = Lattice::Named(NamedLattice::kCartesian);
+  const TriangleMesh mesh = ToWorld(room, lattice);
+  const VoxelizeOptions options{.set = Enclosed{.close = 20, .leak_from = Vec3d{150, 150, 150}}};
+  const VoxelRequest request = MakeRequest(options).value();
+  const MeshExtent extent = ExtentOf(mesh);
+  auto job = VoxelizeJob::Create(mesh, Unscaled(lattice), options).value();
+  const size_t before = held;
+  most_held = before;
+  oneapi::tbb::task_arena(1).execute([&] { EXPECT_TRUE(job->Prepare().ok()); });
+  ASSERT_EQ(job->facts().walk->leak->kind, Leak::kFound);
+  const double points = MostWalkPoints(extent, Unscaled(lattice), request);
+  EXPECT_GT(points, 8e6);
+  constexpr double kBytesOfScan = 8 << 20, kBytesPerPackedTile = 24 << 10;
+  const double tiles = MostWallTiles(mesh, extent, Unscaled(lattice), request, 1);
+  EXPECT_LE(static_cast<double>(most_held - before),
+            2 * points + tiles * (kBytesPerTile + kBytesPerPackedTile) + kBytesOfScan);
+}
+
+}  // namespace
+}  // namespace latvox
