@@ -21,12 +21,13 @@ namespace {
 // Returns the end of the error of a mesh, or of a label, without an inside.
 //   lines   "lattice lines", or those of a label
 //   more    further facts
-std::string NoInside(uint64_t unbalanced, const char* lines, const std::string& more) {
-  return unbalanced == 0
-             ? absl::StrFormat(", although all %s along k end balanced%s; force_open fills along these lines", lines,
-                               more)
-             : absl::StrFormat(", and %d %s along k end unbalanced%s; force_open fills the others", unbalanced, lines,
-                               more);
+std::string NoInside(uint64_t unbalanced, const char* lines, const std::string& more, bool has_fraction) {
+  const bool balanced = unbalanced == 0;
+  const char* const advice = has_fraction ? "a fraction asks for a closed mesh"
+                             : balanced   ? "force_open fills along these lines"
+                                          : "force_open fills the others";
+  return balanced ? absl::StrFormat(", although all %s along k end balanced%s; %s", lines, more, advice)
+                  : absl::StrFormat(", and %d %s along k end unbalanced%s; %s", unbalanced, lines, more, advice);
 }
 
 BitsLayout LayoutOf(const Vec3i& tile_ijk) { return {tile_ijk * kTileSide, {}}; }
@@ -34,16 +35,17 @@ BitsLayout LayoutOf(const Vec3i& tile_ijk) { return {tile_ijk * kTileSide, {}}; 
 }  // namespace
 
 // A closed mesh is balanced on every line. For another mesh, all lines must be checked.
-absl::StatusOr<std::unique_ptr<const Interior>> MakeInterior(const SnappedMesh& mesh, const Solid& solid, bool closed,
-                                                             const IndexBox& region, StopSignal stop,
-                                                             InteriorRule& rule, uint64_t& unbalanced_lines) {
+absl::StatusOr<std::unique_ptr<const Interior>> MakeInterior(const SnappedMesh& mesh, const Solid& solid,
+                                                             bool has_fraction, bool closed, const IndexBox& region,
+                                                             StopSignal stop, InteriorRule& rule,
+                                                             uint64_t& unbalanced_lines) {
   const bool oriented = solid.rule != InteriorRule::kParity && IsOriented(mesh, stop);
   rule = RuleFor(solid.rule, oriented);
   const bool has_inside = rule == InteriorRule::kParity ? closed : oriented;
   unbalanced_lines = has_inside ? 0 : CountUnbalancedLines(mesh, rule, stop);
   if (!has_inside && !solid.force_open && !stop.Stopped()) {
     return absl::InvalidArgumentError(absl::StrCat("mesh: it is not closed", WithoutOrientation(closed, rule),
-                                                   NoInside(unbalanced_lines, "lattice lines", "")));
+                                                   NoInside(unbalanced_lines, "lattice lines", "", has_fraction)));
   }
   std::unique_ptr<const Interior> interior =
       has_inside ? MakeClosedInterior(mesh, rule, region, stop) : MakeOpenInterior(mesh, rule, region, stop);
@@ -52,9 +54,9 @@ absl::StatusOr<std::unique_ptr<const Interior>> MakeInterior(const SnappedMesh& 
 }
 
 absl::StatusOr<std::unique_ptr<const Interior>> MakeLabeledInterior(const SnappedMesh& mesh, const Labels& labels,
-                                                                    const Solid& solid, const IndexBox& region,
-                                                                    StopSignal stop, InteriorRule& rule,
-                                                                    uint64_t& unbalanced_lines) {
+                                                                    const Solid& solid, bool has_fraction,
+                                                                    const IndexBox& region, StopSignal stop,
+                                                                    InteriorRule& rule, uint64_t& unbalanced_lines) {
   const LabelBalance balance = BalanceOfLabels(mesh, labels, solid, stop);
   rule = balance.rule;
   unbalanced_lines = balance.unbalanced_lines;
@@ -65,7 +67,8 @@ absl::StatusOr<std::unique_ptr<const Interior>> MakeLabeledInterior(const Snappe
         WithoutOrientation(balance.first_closed, rule),
         NoInside(
             balance.first_lines, "of its lattice lines",
-            balance.open_labels == 1 ? "" : absl::StrCat("; ", balance.open_labels, " labels in all have no inside"))));
+            balance.open_labels == 1 ? "" : absl::StrCat("; ", balance.open_labels, " labels in all have no inside"),
+            has_fraction)));
   }
   std::unique_ptr<const Interior> interior = has_inside ? MakeClosedLabeledInterior(mesh, labels, rule, region, stop)
                                                         : MakeOpenLabeledInterior(mesh, labels, rule, region, stop);

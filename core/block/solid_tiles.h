@@ -24,19 +24,21 @@ namespace latvox {
 
 // Returns the interior of a solid, the rule for it (that of `solid`, or what kAuto becomes), and the number of the
 // mesh's lines along k that end unbalanced.
-//   closed   from the mesh's SurfaceFacts
-//   region   local voxels for which the interior is needed
+//   has_fraction   whether voxels carry fractions, which no mesh that is not closed has
+//   closed         from the mesh's SurfaceFacts
+//   region         local voxels for which the interior is needed
 // Errors: INVALID_ARGUMENT if the mesh has no inside and solid.force_open is not set; CANCELLED.
-absl::StatusOr<std::unique_ptr<const Interior>> MakeInterior(const SnappedMesh& mesh, const Solid& solid, bool closed,
-                                                             const IndexBox& region, StopSignal stop,
-                                                             InteriorRule& rule, uint64_t& unbalanced_lines);
+absl::StatusOr<std::unique_ptr<const Interior>> MakeInterior(const SnappedMesh& mesh, const Solid& solid,
+                                                             bool has_fraction, bool closed, const IndexBox& region,
+                                                             StopSignal stop, InteriorRule& rule,
+                                                             uint64_t& unbalanced_lines);
 
 // The same for a labeled solid. It sums up the unbalanced lines of all labels.
 // Errors: INVALID_ARGUMENT, naming the first label that has no inside, unless solid.force_open is set; CANCELLED.
 absl::StatusOr<std::unique_ptr<const Interior>> MakeLabeledInterior(const SnappedMesh& mesh, const Labels& labels,
-                                                                    const Solid& solid, const IndexBox& region,
-                                                                    StopSignal stop, InteriorRule& rule,
-                                                                    uint64_t& unbalanced_lines);
+                                                                    const Solid& solid, bool has_fraction,
+                                                                    const IndexBox& region, StopSignal stop,
+                                                                    InteriorRule& rule, uint64_t& unbalanced_lines);
 
 // Returns whether the frames include those along the three axes of lattice coordinates. Then a triangle that touches no
 // line along the frames does not matter to the interior, either.

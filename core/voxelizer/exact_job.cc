@@ -103,10 +103,12 @@ absl::Status ExactJob::PrepareInterior() {
     return stop_.Stopped() ? absl::CancelledError("voxelization cancelled") : absl::OkStatus();
   }
   const SnappedMesh& mesh = plan_->input.mesh;
-  auto interior = plan_->labels ? MakeLabeledInterior(mesh, *plan_->labels, *plan_->solid, plan_->input.region,
-                                                      stop_.Signal(), facts.interior_rule, facts.unbalanced_lines)
-                                : MakeInterior(mesh, *plan_->solid, facts.closed, plan_->input.region, stop_.Signal(),
-                                               facts.interior_rule, facts.unbalanced_lines);
+  auto interior =
+      plan_->labels
+          ? MakeLabeledInterior(mesh, *plan_->labels, *plan_->solid, plan_->HasFraction(), plan_->input.region,
+                                stop_.Signal(), facts.interior_rule, facts.unbalanced_lines)
+          : MakeInterior(mesh, *plan_->solid, plan_->HasFraction(), facts.closed, plan_->input.region, stop_.Signal(),
+                         facts.interior_rule, facts.unbalanced_lines);
   if (!interior.ok()) return interior.status();
   prepared_.interior = *std::move(interior);
   units_.AddFilled(*prepared_.interior);
