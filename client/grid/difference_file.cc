@@ -27,7 +27,7 @@ void DescribeDifference(const GridDifference& difference, const GridTransform& t
 }  // namespace
 
 absl::Status WriteDifferenceFile(const GridDifference& difference, const GridTransform& transform,
-                                 const std::string& path) try {
+                                 const std::string& path, const Cancellation& cancellation) try {
   VoxelGrid voxels(transform);
   if (auto status = voxels.Add({difference.bricks}); !status.ok()) return status;
   const auto part = openvdb::Int32Grid::create(-1);
@@ -43,7 +43,7 @@ absl::Status WriteDifferenceFile(const GridDifference& difference, const GridTra
     DescribeDifference(difference, transform, "difference", *changes);
     grids.push_back(changes);
   }
-  return WriteGridFile(grids, path);
+  return WriteGridFile(grids, path, {}, cancellation);
 } catch (const std::bad_alloc&) {
   return absl::ResourceExhaustedError("not enough memory for the OpenVDB grids");
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "latvox/cancellation.h"
 #include "latvox/types.h"
 
 namespace latvox::client {
@@ -31,9 +32,9 @@ struct GridDifference {
 // Writes the grids "voxels" (the voxels that differ), "part" (their marks, with names: see latvox/grid/carried_names.h)
 // and, with distances, "difference" (floats: the changes; 0 elsewhere). Metadata latvox_difference_a and
 // latvox_difference_b name the files. Not atomic. Errors: UNKNOWN, with the path and OpenVDB's message;
-// RESOURCE_EXHAUSTED (memory).
+// RESOURCE_EXHAUSTED (memory); CANCELLED.
 absl::Status WriteDifferenceFile(const GridDifference& difference, const GridTransform& transform,
-                                 const std::string& path);
+                                 const std::string& path, const Cancellation& cancellation);
 
 }  // namespace latvox::client
 

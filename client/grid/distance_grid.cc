@@ -94,12 +94,14 @@ absl::Status WriteFilled(const openvdb::FloatGrid::Ptr& grid, const std::string&
 
 }  // namespace
 
-absl::Status DistanceGrid::Write(const std::string& path) {
-  return WriteFilled(content_->grid, path, [&](const auto& grids) { return WriteGridFile(grids, path); });
+absl::Status DistanceGrid::Write(const std::string& path, const Cancellation& cancellation) {
+  const auto write = [&](const auto& grids) { return WriteGridFile(grids, path, {}, cancellation); };
+  return WriteFilled(content_->grid, path, write);
 }
 
-absl::Status DistanceGrid::WriteNano(const std::string& path) {
-  return WriteFilled(content_->grid, path, [&](const auto& grids) { return WriteNanoFile(grids, path); });
+absl::Status DistanceGrid::WriteNano(const std::string& path, const Cancellation& cancellation) {
+  const auto write = [&](const auto& grids) { return WriteNanoFile(grids, path, {}, cancellation); };
+  return WriteFilled(content_->grid, path, write);
 }
 
 }  // namespace latvox::client

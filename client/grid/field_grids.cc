@@ -110,14 +110,14 @@ void FieldGrids::SetMetadata(const std::vector<std::pair<std::string, std::strin
   for (const openvdb::GridBase::Ptr& grid : content_->grids) InsertMetadata(TypedMetadata(metadata), *grid);
 }
 
-absl::Status FieldGrids::Write(const std::string& path) try {
-  return WriteGridFile(content_->All(), path, content_->Late());
+absl::Status FieldGrids::Write(const std::string& path, const Cancellation& cancellation) try {
+  return WriteGridFile(content_->All(), path, content_->Late(), cancellation);
 } catch (const std::bad_alloc&) {
   return NotEnoughMemory();
 }
 
-absl::Status FieldGrids::WriteNano(const std::string& path) const try {
-  return WriteNanoFile(content_->All(), path, content_->Late());
+absl::Status FieldGrids::WriteNano(const std::string& path, const Cancellation& cancellation) const try {
+  return WriteNanoFile(content_->All(), path, content_->Late(), cancellation);
 } catch (const std::bad_alloc&) {
   return NotEnoughMemory();
 }

@@ -6,20 +6,20 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <fstream>
-#include <streambuf>
+#include <ostream>
 #include <string>
 
 #include "client/grid/file_uuid.h"
 #include "client/grid/new_file.h"
+#include "client/grid/passing_sink.h"
 
 namespace latvox::client {
 namespace {
 
 // Passes all bytes on, and hashes those after the header in the order of writing.
-class HashedSink final : public std::streambuf {
+class HashedSink final : public PassingSink {
  public:
-  explicit HashedSink(std::streambuf& sink) : sink_(sink) {}
+  explicit HashedSink(std::streambuf& sink) : PassingSink(sink) {}
 
   std::string Uuid() const { return uuid_.Text(); }
 
@@ -30,18 +30,8 @@ class HashedSink final : public std::streambuf {
     passed_ += header;
     return sink_.sputn(bytes, count);
   }
-  int_type overflow(int_type c) override {
-    const char byte = traits_type::to_char_type(c);
-    return xsputn(&byte, 1) == 1 ? c : traits_type::eof();
-  }
-  pos_type seekoff(off_type offset, std::ios::seekdir from, std::ios::openmode which) override {
-    return sink_.pubseekoff(offset, from, which);
-  }
-  pos_type seekpos(pos_type position, std::ios::openmode which) override { return sink_.pubseekpos(position, which); }
-  int sync() override { return sink_.pubsync(); }
 
  private:
-  std::streambuf& sink_;
   FileUuid uuid_;
   size_t passed_ = 0;  // bytes of the header
 };
@@ -50,7 +40,7 @@ class HashedSink final : public std::streambuf {
 // Archive::write is not used either, because it needs all grids at once. It sets the same flags of the stream, and
 // writes the same bytes.
 struct Writer : openvdb::io::Archive {
-  void Write(const openvdb::GridCPtrVec& grids, const LateGrids& late, std::ofstream& file) const {
+  void Write(const openvdb::GridCPtrVec& grids, const LateGrids& late, std::ostream& file) const {
     HashedSink sink(*file.rdbuf());
     std::ostream out(&sink);
     out.exceptions(std::ios::failbit | std::ios::badbit);
@@ -71,8 +61,9 @@ struct Writer : openvdb::io::Archive {
 
 }  // namespace
 
-absl::Status WriteGridFile(const openvdb::GridCPtrVec& grids, const std::string& path, const LateGrids& late) {
-  return WriteNewFile(path, [&](std::ofstream& file) { Writer().Write(grids, late, file); });
+absl::Status WriteGridFile(const openvdb::GridCPtrVec& grids, const std::string& path, const LateGrids& late,
+                           const Cancellation& cancellation) {
+  return WriteNewFile(path, cancellation, [&](std::ostream& file) { Writer().Write(grids, late, file); });
 }
 
 }  // namespace latvox::client

@@ -100,7 +100,7 @@ absl::StatusOr<MergedGrid> MergeParts(const std::vector<std::string>& paths, con
     metadata["latvox_digest"] = ToMetadata(merged.digest);
     return metadata;
   };
-  const absl::Status written = WriteVoxelFile(nodes, transform, describe, path);
+  const absl::Status written = WriteVoxelFile(nodes, transform, describe, path, cancellation);
   if (!bricks.status().ok()) return bricks.status();
   if (!written.ok()) return written;
   return merged;

@@ -146,7 +146,8 @@ absl::StatusOr<MergedGrid> MergeFields(const Parts& parts, const CommonFacts& co
   }
   if (cancellation.cancelled()) return absl::CancelledError("cancelled");
   const LateGrids links = LinkGrids(joined->bricks, joined->fields, joined->neighbors, *grids.front());
-  if (auto status = WriteGridFile({grids.begin(), grids.end()}, path, links); !status.ok()) return status;
+  const absl::Status written = WriteGridFile({grids.begin(), grids.end()}, path, links, cancellation);
+  if (!written.ok()) return written;
   return MergedGrid{voxels, joined->bricks.size(), joined->shared_bricks, digests.set.ToHex()};
 } catch (const std::bad_alloc&) {
   return absl::ResourceExhaustedError(absl::StrCat(path, ": not enough memory to join the fields"));

@@ -1,7 +1,7 @@
 #include "client/grid/nano_file.h"
 
 #include <cstring>
-#include <fstream>
+#include <ostream>
 #include <string>
 #include <utility>
 
@@ -90,10 +90,12 @@ nanovdb::GridHandle<> WithText(const nanovdb::GridHandle<>& plain, const std::st
 
 }  // namespace
 
-absl::Status WriteNanoFile(const openvdb::GridCPtrVec& grids, const std::string& path, const LateGrids& late) {
+absl::Status WriteNanoFile(const openvdb::GridCPtrVec& grids, const std::string& path, const LateGrids& late,
+                           const Cancellation& cancellation) {
   // NanoVDB does not check whether its stream took everything; this one throws.
-  return WriteNewFile(path, [&](std::ofstream& file) {
-    ForEachGrid(grids, late, [&file](const openvdb::GridBase::ConstPtr& grid) {
+  return WriteNewFile(path, cancellation, [&](std::ostream& file) {
+    ForEachGrid(grids, late, [&](const openvdb::GridBase::ConstPtr& grid) {
+      if (cancellation.cancelled()) file.setstate(std::ios::badbit);
       nanovdb::io::writeGrid(file, WithText(Converted(*grid), TextOf(*grid)), nanovdb::io::Codec::NONE);
     });
   });

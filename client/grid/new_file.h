@@ -7,18 +7,22 @@
 #include <exception>
 #include <fstream>
 #include <new>
+#include <ostream>
 #include <string>
 #include <vector>
 
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
+#include "client/grid/passing_sink.h"
+#include "latvox/cancellation.h"
 
 namespace latvox::client {
 
-// Calls write(file), whose stream throws where it cannot take everything. The file replaces an existing one; not
-// atomic. Errors: UNKNOWN, with the path and the message of the system or of an exception; RESOURCE_EXHAUSTED: memory.
+// Calls write(stream), which throws where it cannot take everything, or once the call is cancelled. The file replaces
+// an existing one; not atomic. Errors: UNKNOWN, with the path and the message of the system or of an exception;
+// RESOURCE_EXHAUSTED: memory; CANCELLED.
 template <class Write>
-absl::Status WriteNewFile(const std::string& path, const Write& write) {
+absl::Status WriteNewFile(const std::string& path, const Cancellation& cancellation, const Write& write) {
   const auto cannot = [&path](const char* why) {
     return absl::UnknownError(absl::StrCat(path, ": cannot be written (", why, ")"));
   };
@@ -29,10 +33,14 @@ absl::Status WriteNewFile(const std::string& path, const Write& write) {
     file.exceptions(std::ios::failbit | std::ios::badbit);
     errno = 0;
     file.open(path, std::ios::binary | std::ios::trunc);
-    write(file);
+    StoppableSink sink(*file.rdbuf(), cancellation);
+    std::ostream stream(&sink);
+    stream.exceptions(std::ios::failbit | std::ios::badbit);
+    write(stream);
     file.close();
     return absl::OkStatus();
   } catch (const std::ios_base::failure&) {
+    if (auto stopped = CheckGoesOn(cancellation); !stopped.ok()) return stopped;
     return cannot(std::strerror(errno));  // the exception has only the library's message
   } catch (const std::bad_alloc&) {
     return absl::ResourceExhaustedError(absl::StrCat(path, ": not enough memory to write the grid"));

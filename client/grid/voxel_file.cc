@@ -6,7 +6,7 @@
 #include <openvdb/version.h>
 
 #include <array>
-#include <fstream>
+#include <ostream>
 #include <stdexcept>
 #include <utility>
 
@@ -68,7 +68,7 @@ void PutNode(const Mask& children, const Mask& tiles, std::string& out) {
 
 class Writer {
  public:
-  Writer(const TreeSurvey& survey, LowerNodes& nodes, std::ofstream& file)
+  Writer(const TreeSurvey& survey, LowerNodes& nodes, std::ostream& file)
       : survey_(survey), nodes_(nodes), file_(file) {}
 
   void Write(Metadata metadata, const std::string& transform) {
@@ -195,15 +195,15 @@ class Writer {
 
   const TreeSurvey& survey_;
   LowerNodes& nodes_;
-  std::ofstream& file_;
+  std::ostream& file_;
   FileUuid uuid_;
 };
 
 }  // namespace
 
 absl::Status WriteVoxelFile(LowerNodes& nodes, const std::string& transform, const DescribeVoxels& describe,
-                            const std::string& path) {
-  return WriteNewFile(path, [&](std::ofstream& file) {
+                            const std::string& path, const Cancellation& cancellation) {
+  return WriteNewFile(path, cancellation, [&](std::ostream& file) {
     const TreeSurvey survey(nodes);
     Writer(survey, nodes, file).Write(describe(survey.counts()), transform);
   });

@@ -9,6 +9,7 @@
 #include "client/grid/brick_tree.h"
 #include "client/grid/metadata.h"
 #include "client/grid/tree_survey.h"
+#include "latvox/cancellation.h"
 
 namespace latvox::client {
 
@@ -34,7 +35,7 @@ using DescribeVoxels = std::function<Metadata(const VoxelCounts&)>;
 // `transform` is as a file has it: see TransformBytes. Memory: that of TreeSurvey, and a few megabytes. Errors: those
 // of WriteNewFile.
 absl::Status WriteVoxelFile(LowerNodes& nodes, const std::string& transform, const DescribeVoxels& describe,
-                            const std::string& path);
+                            const std::string& path, const Cancellation& cancellation = {});
 
 }  // namespace latvox::client
 

@@ -116,14 +116,14 @@ void VoxelGrid::SetMetadata(const std::vector<std::pair<std::string, std::string
 
 uint64_t VoxelGrid::CountActiveVoxels() const { return content_->grid->activeVoxelCount(); }
 
-absl::Status VoxelGrid::Write(const std::string& path) const {
+absl::Status VoxelGrid::Write(const std::string& path, const Cancellation& cancellation) const {
   openvdb::tools::prune(content_->grid->tree());
-  return WriteGridFile({content_->grid}, path);
+  return WriteGridFile({content_->grid}, path, {}, cancellation);
 }
 
-absl::Status VoxelGrid::WriteNano(const std::string& path) const {
+absl::Status VoxelGrid::WriteNano(const std::string& path, const Cancellation& cancellation) const {
   openvdb::tools::prune(content_->grid->tree());
-  return WriteNanoFile({content_->grid}, path);
+  return WriteNanoFile({content_->grid}, path, {}, cancellation);
 }
 
 absl::StatusOr<GridFileInfo> ReadGridFileInfo(std::istream& in, const std::string& path) {

@@ -67,29 +67,36 @@ FieldValues Empty(const FieldValues& like, size_t points) {
   return values;
 }
 
-// Fills the array. Throws std::bad_alloc.
-void Fill(const BrickBatch& all, DenseVoxels& dense) {
+// Fills the array, until the call is cancelled. Throws std::bad_alloc.
+void Fill(const BrickBatch& all, const Cancellation& cancellation, DenseVoxels& dense) {
   const size_t points = dense.shape[0] * dense.shape[1] * dense.shape[2];
   dense.voxels.resize(points);
   for (const FieldValues& values : all.fields) dense.fields.push_back(Empty(values, points));
-  ForEachVoxel(all, [&](const Voxel& voxel) {
-    if (!Contains(dense.box, voxel.ijk)) return;
-    const size_t n = dense.IndexOf(voxel.ijk);
-    dense.voxels[n] = 1;
-    for (size_t f = 0; f < all.fields.size(); ++f) {
-      const size_t bytes = all.fields[f].bytes_of_voxel();
-      std::copy_n(&all.fields[f].bytes[voxel.number * bytes], bytes, &dense.fields[f].bytes[n * bytes]);
-    }
-  });
+  size_t number = 0;
+  for (const Brick& brick : all.bricks) {
+    if (cancellation.cancelled()) return;
+    ForEachVoxel(brick, [&](const Vec3i& ijk) {
+      const size_t voxel = number++;
+      if (!Contains(dense.box, ijk)) return;
+      const size_t n = dense.IndexOf(ijk);
+      dense.voxels[n] = 1;
+      for (size_t f = 0; f < all.fields.size(); ++f) {
+        const size_t bytes = all.fields[f].bytes_of_voxel();
+        std::copy_n(&all.fields[f].bytes[voxel * bytes], bytes, &dense.fields[f].bytes[n * bytes]);
+      }
+    });
+  }
 }
 
 }  // namespace
 
-absl::StatusOr<DenseVoxels> ToDense(const BrickBatch& all, const IndexBox& box, uint64_t most_points) {
+absl::StatusOr<DenseVoxels> ToDense(const BrickBatch& all, const IndexBox& box, uint64_t most_points,
+                                    const Cancellation& cancellation) {
   absl::StatusOr<DenseVoxels> dense = Shaped(box, most_points);
   if (!dense.ok()) return dense;
   try {
-    Fill(all, *dense);
+    Fill(all, cancellation, *dense);
+    if (cancellation.cancelled()) return absl::CancelledError("cancelled");
   } catch (const std::bad_alloc&) {
     return absl::ResourceExhaustedError(
         absl::StrCat("not enough memory for a box of ", absl::StrJoin(dense->shape, " x "), " points"));

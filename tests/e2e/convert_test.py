@@ -1,16 +1,19 @@
 """`latvox convert` writes grids, pictures and pages as `latvox voxelize` does, from OpenVDB's and NanoVDB's files."""
 
+import contextlib
 import json
 import pathlib
 import random
+import signal
 import struct
 import subprocess
+import time
 import unittest
 
 import pyopenvdb
 
 from bodies import BODIES, write_bodies
-from harness import BUNNY, PATIENCE, Case, box, latvox
+from harness import BIN, BUNNY, PATIENCE, Case, await_true, box, bytes_written, latvox
 
 DOCS = pathlib.Path(__file__).resolve().parents[2] / "client/docs/voxel-files.md"
 SPIDER = "/usr/share/assimp/models/OBJ/spider.obj"  # of assimp-testmodels
@@ -55,6 +58,24 @@ class Convert(Case):
                     self.equal("again/a.nvdb", "a.nvdb", source)
                 self.assertEqual(self.info("again/a.vdb")["metadata"]["latvox_digest"], summary["digest"])
                 self.assertEqual(latvox("compare", self.dir / "a.vdb", self.dir / "again/a.nvdb").stdout.splitlines()[-1], "equal")
+
+    def test_an_interrupt_ends_the_writing_of_a_file(self):
+        """It comes when an eighth is written, and what follows is less than the rest."""
+        self.write([BUNNY, "--resolution", "200"], "a.vdb")
+        self.convert("a.vdb", "a.cells.vtu")
+        size = (self.dir / "a.cells.vtu").stat().st_size
+        words = [BIN / "latvox", "convert", self.dir / "a.vdb", "-o", self.dir / "b.cells.vtu"]
+        process = subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        await_true("an eighth is written", lambda: bytes_written(process.pid) > size / 8)
+        process.send_signal(signal.SIGINT)
+        written = 0
+        while process.poll() is None:
+            with contextlib.suppress(OSError, TypeError):  # it ends
+                written = bytes_written(process.pid)
+            time.sleep(0.005)
+        self.assertLess(written, size * 3 / 4)
+        self.assertEqual((process.wait(), process.communicate()[1]), (6, "latvox: cancelled\n"))
+        self.assertFalse((self.dir / "b.cells.vtu").exists())
 
     def test_pictures_and_pages_are_those_of_voxelize(self):
         (self.dir / "again").mkdir()

@@ -87,6 +87,11 @@ def unfinished_files(pid, directory):
     return sizes
 
 
+def bytes_written(pid):
+    """Returns the bytes that a process has passed to the system's calls for writing."""
+    return int(re.search(r"wchar: (\d+)", pathlib.Path(f"/proc/{pid}/io").read_text())[1])
+
+
 @contextlib.contextmanager
 def server(directory, *options):
     """Runs a latvoxd on a socket in `directory`. It ends with SIGTERM, and must then exit with 0."""

@@ -30,7 +30,9 @@ latvox_add_test(client_curve_test SOURCES unit/client/tool/curve/curve_test.cc u
                 LIBRARIES latvox::tool GTest::gmock)
 latvox_add_test(client_output_test SOURCES unit/client/tool/output/output_test.cc
                 LIBRARIES latvox::tool latvox::grid GTest::gmock)
-latvox_add_test(client_outputs_test SOURCES unit/client/tool/output/outputs_test.cc LIBRARIES latvox::tool GTest::gmock)
+latvox_add_test(client_outputs_test SOURCES unit/client/tool/output/cancelled_test.cc
+                        unit/client/tool/output/outputs_test.cc
+                LIBRARIES latvox::tool GTest::gmock)
 latvox_add_test(client_image_test SOURCES unit/client/tool/output/image_test.cc
                 LIBRARIES latvox::tool ZLIB::ZLIB GTest::gmock)
 latvox_add_test(client_packed_blocks_test SOURCES unit/client/tool/output/packed_blocks_test.cc

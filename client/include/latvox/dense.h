@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "latvox/cancellation.h"
 #include "latvox/export.h"
 #include "latvox/types.h"
 
@@ -50,9 +51,11 @@ LATVOX_EXPORT absl::StatusOr<DenseVoxels> ToDense(std::span<const Brick> bricks,
 LATVOX_EXPORT absl::StatusOr<DenseVoxels> ToDense(const Voxelization& all, const IndexBox& box,
                                                   uint64_t most_points = kMostDensePoints);
 
-// Does the same for bricks with some fields of a call. The array has the fields in `all`, and no others.
+// Does the same for bricks with some fields of a call. The array has the fields in `all`, and no others. Errors as
+// above, and CANCELLED.
 LATVOX_EXPORT absl::StatusOr<DenseVoxels> ToDense(const BrickBatch& all, const IndexBox& box,
-                                                  uint64_t most_points = kMostDensePoints);
+                                                  uint64_t most_points = kMostDensePoints,
+                                                  const Cancellation& cancellation = {});
 
 // Does the same for Accepted::index_box, which has all voxels; without any, the array has no point.
 LATVOX_EXPORT absl::StatusOr<DenseVoxels> ToDense(const Voxelization& all, uint64_t most_points = kMostDensePoints);

@@ -170,6 +170,7 @@ absl::StatusOr<std::string> RunConvert(const ConvertOptions& options, const Canc
   output_options.dense_npy = options.output_options.dense_npy;
   output_options.array = options.output_options.array;
   output_options.shape = options.output_options.shape;
+  output_options.cancellation = cancellation;
   if (const auto& array = output_options.array) {
     if (auto status = CheckHas(*array, options.input, file->content); !status.ok()) return status;
   }
@@ -182,9 +183,10 @@ absl::StatusOr<std::string> RunConvert(const ConvertOptions& options, const Canc
     if (auto status = (*output)->Begin(file->accepted); !status.ok()) return status;
     outputs.push_back(*std::move(output));
   }
-  const BrickBatch batch = file->content.Batch();
-  const auto add = [&](Output& output) { return output.Add(batch); };
-  if (auto status = ForAllAtOnce(outputs, cancellation, add); !status.ok()) return status;
+  const auto add = [&](const BrickBatch& batch) {
+    return ForAllAtOnce(outputs, cancellation, [&](Output& output) { return output.Add(batch); });
+  };
+  if (auto status = AddInPieces(file->content.Batch(), cancellation, add); !status.ok()) return status;
   warnings = WarningsOf(outputs);
   const auto finish = [&](Output& output) { return output.Finish(file->summary); };
   if (auto status = ForAllAtOnce(outputs, cancellation, finish); !status.ok()) return status;

@@ -150,15 +150,14 @@ absl::StatusOr<std::vector<std::unique_ptr<AtomicFile>>> WriteDifferences(const 
   const MarkedVoxels all = Marking(a, b, !words.voxels_only).Mark();
   std::vector<std::unique_ptr<AtomicFile>> files;
   for (const std::string& path : words.outputs) {
-    auto file = AtomicFile::Create(path);
+    auto file = AtomicFile::Create(path, AtomicFile::Form::kUnnamed, cancellation);
     if (!file.ok()) return file.status();
     if (absl::EndsWithIgnoreCase(path, ".vdb")) {
       const GridDifference difference = DifferenceOf(all, words, has_distances);
       const auto vdb = Vdb::Load();
       if (!vdb.ok()) return vdb.status();
-      if (auto status = (*vdb)->WriteDifference(difference, transform, (*file)->temporary()); !status.ok()) {
-        return (*file)->Named(status);
-      }
+      const auto written = (*vdb)->WriteDifference(difference, transform, (*file)->temporary(), cancellation);
+      if (!written.ok()) return (*file)->Named(written);
     } else {
       const auto png = Draw(all, transform, cancellation);
       if (!png.ok()) return png.status();

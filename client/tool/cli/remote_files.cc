@@ -103,10 +103,12 @@ absl::StatusOr<bool> RemoteFiles::IsMissing(const std::string& output, const std
 }
 
 absl::StatusOr<std::unique_ptr<Output>> RemoteFiles::Open(const std::string& output, const VoxelizeRequest& request) {
+  OutputOptions options = options_.output_options;
+  options.cancellation = transfer_.call.cancellation;
   const auto object = options_.remote.objects.find(output);
-  if (object == options_.remote.objects.end()) return OpenOutput(output, request, options_.output_options);
+  if (object == options_.remote.objects.end()) return OpenOutput(output, request, options);
   const std::string path = NextPath(object->second);
-  auto file = OpenOutput(path, request, options_.output_options);
+  auto file = OpenOutput(path, request, options);
   if (!file.ok()) return Named(file.status());
   const auto notes = [this](const Summary& summary) -> ObjectNotes {
     if (job_digest_.empty()) return {};

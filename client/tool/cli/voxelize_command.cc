@@ -5,6 +5,7 @@
 #include <utility>
 #include <variant>
 
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/time/clock.h"
@@ -49,11 +50,13 @@ std::string ResumptionLine(const Resumption& resumption) {
   return absl::StrCat("connection lost, ", where, " on ", resumption.address);
 }
 
-// Returns the status. Puts the mesh's file before the message if the mesh is at fault.
+// Returns the status. Puts the mesh's file before the message if the mesh is at fault. Arrays are named "mesh", as the
+// server names every mesh.
 absl::Status WithMesh(const absl::Status& status, const MeshSource& mesh) {
   const ErrorDetails details = GetErrorDetails(status);
-  if (details.reason != "BAD_MESH") return status;
-  absl::Status named(status.code(), absl::StrCat(NameOf(mesh), ": ", status.message()));
+  const std::string prefix = NameOf(mesh) + ": ";
+  if (details.reason != "BAD_MESH" || absl::StartsWith(status.message(), prefix)) return status;
+  absl::Status named(status.code(), absl::StrCat(prefix, status.message()));
   SetErrorDetails(details, named);
   return named;
 }
@@ -161,6 +164,7 @@ absl::StatusOr<uint32_t> FitResolution(const Client& client, VoxelizeOptions opt
 absl::StatusOr<VoxelizeReport> RunJob(const VoxelizeOptions& given, const CallOptions& call, const JobHooks& hooks) {
   const absl::Time start = absl::Now();
   VoxelizeOptions options = given;
+  options.output_options.cancellation = call.cancellation;
   VoxelizeReport report;
   report.mesh_path = NameOf(options.mesh);
   report.outputs = options.outputs;

@@ -127,24 +127,25 @@ std::string WrongPlace(const std::filesystem::path& target) {
 
 }  // namespace
 
-absl::StatusOr<std::unique_ptr<AtomicFile>> AtomicFile::Create(const std::string& target, Form form) {
+absl::StatusOr<std::unique_ptr<AtomicFile>> AtomicFile::Create(const std::string& target, Form form,
+                                                               const Cancellation& cancellation) {
   const std::filesystem::path path = Resolve(target);
   if (const std::string wrong = WrongPlace(path); !wrong.empty()) return CannotWrite(target, wrong.c_str());
   const std::lock_guard lock(AllTemporaries().mu);  // RemoveTemporaryFiles never misses an existing file
   if (form == Form::kUnnamed && CanLinkBeside(path)) {
     if (const int fd = OpenUnnamed(path.parent_path()); fd >= 0) {
-      return std::unique_ptr<AtomicFile>(new AtomicFile(path.string(), PathOf(fd), Form::kUnnamed, fd));
+      return std::unique_ptr<AtomicFile>(new AtomicFile(path.string(), PathOf(fd), Form::kUnnamed, fd, cancellation));
     }
   }
   std::string temporary;
   const int fd = OpenNamed(path, temporary);
   if (fd < 0) return CannotWrite(target, std::strerror(errno));
   AllTemporaries().paths.insert(temporary);
-  return std::unique_ptr<AtomicFile>(new AtomicFile(path.string(), temporary, Form::kNamed, fd));
+  return std::unique_ptr<AtomicFile>(new AtomicFile(path.string(), temporary, Form::kNamed, fd, cancellation));
 }
 
-AtomicFile::AtomicFile(std::string target, std::string temporary, Form form, int fd)
-    : target_(std::move(target)), temporary_(std::move(temporary)), form_(form), fd_(fd) {}
+AtomicFile::AtomicFile(std::string target, std::string temporary, Form form, int fd, const Cancellation& cancellation)
+    : target_(std::move(target)), temporary_(std::move(temporary)), form_(form), fd_(fd), cancellation_(cancellation) {}
 
 AtomicFile::~AtomicFile() {
   if (form_ == Form::kNamed && !committed_) {
@@ -164,12 +165,18 @@ absl::Status AtomicFile::Named(const absl::Status& error) const {
   return named;
 }
 
+absl::Status AtomicFile::CheckGoesOn() const {
+  return cancellation_.cancelled() ? absl::CancelledError("cancelled") : absl::OkStatus();
+}
+
 absl::Status AtomicFile::Append(std::string_view bytes) {
+  if (auto status = CheckGoesOn(); !status.ok()) return status;
   buffer_.append(bytes);
   return buffer_.size() < kBufferBytes ? absl::OkStatus() : Flush();
 }
 
 absl::Status AtomicFile::Flush() {
+  if (auto status = CheckGoesOn(); !status.ok()) return status;
   if (!WriteAll(fd_, buffer_, 0, /*append=*/true)) return Error(errno);
   buffer_.clear();
   return absl::OkStatus();

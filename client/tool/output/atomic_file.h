@@ -9,12 +9,13 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "latvox/cancellation.h"
 
 namespace latvox::client {
 
 // An unfinished file on the file system of its target. Commit moves it to the target. Without Commit, the target stays
 // as it was, and the file disappears, even if the process is killed. Not thread-safe. Errors: FAILED_PRECONDITION, with
-// the target and the message of the system.
+// the target and the message of the system; CANCELLED.
 class AtomicFile {
  public:
   // How the file exists before Commit.
@@ -25,7 +26,9 @@ class AtomicFile {
 
   // Errors: the directory is missing or not writable, or the target is a directory, a pipe or anything else that is not
   // a regular file, or its name is too long.
-  static absl::StatusOr<std::unique_ptr<AtomicFile>> Create(const std::string& target, Form form = Form::kUnnamed);
+  //   cancellation   then Append, Overwrite and Sync fail, so that writers stop soon
+  static absl::StatusOr<std::unique_ptr<AtomicFile>> Create(const std::string& target, Form form = Form::kUnnamed,
+                                                            const Cancellation& cancellation = {});
   ~AtomicFile();
   AtomicFile(const AtomicFile&) = delete;
   AtomicFile& operator=(const AtomicFile&) = delete;
@@ -33,6 +36,10 @@ class AtomicFile {
   const std::string& target() const { return target_; }
   // A path of the unfinished file, for libraries that open files by name. They must not replace it.
   const std::string& temporary() const { return temporary_; }
+
+  // For writers that do not append, or seldom: they look before each piece of work.
+  const Cancellation& cancellation() const { return cancellation_; }
+  absl::Status CheckGoesOn() const;  // CANCELLED, or OK
 
   // Returns the error of a library with the target's name in place of temporary().
   absl::Status Named(const absl::Status& error) const;
@@ -50,7 +57,7 @@ class AtomicFile {
   absl::Status Commit();
 
  private:
-  AtomicFile(std::string target, std::string temporary, Form form, int fd);
+  AtomicFile(std::string target, std::string temporary, Form form, int fd, const Cancellation& cancellation);
   absl::Status Flush();
   absl::Status Error(int error_number) const;
   bool GiveName();  // false: errno is set
@@ -58,6 +65,7 @@ class AtomicFile {
   std::string target_, temporary_, buffer_;
   const Form form_;
   int fd_;
+  const Cancellation cancellation_;
   bool committed_ = false;
 };
 

@@ -12,6 +12,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "client/tool/output/format_limit.h"
 
 namespace latvox::client {
 namespace {
@@ -119,8 +120,10 @@ class BinvoxOutput final : public Output {
     for (size_t m = 0; m < 3; ++m) {
       const int64_t side = int64_t{shaped->max[m]} - low_[m];
       if (side > kMostSide) {
-        return absl::ResourceExhaustedError(absl::StrCat(file_->target(), ": ", side, " voxels along ",
-                                                         std::string(1, "xyz"[m]), " exceed the format's ", kMostSide));
+        const std::string limit = absl::StrCat(kMostSide);
+        return TooLarge(file_->target(),
+                        absl::StrCat(side, " voxels along ", std::string(1, "xyz"[m]), " exceed the format's ", limit),
+                        absl::StrCat(side), limit);
       }
       longest = std::max(longest, side);
     }

@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "client/tool/output/format_limit.h"
 
 namespace latvox::client {
 
@@ -20,9 +21,9 @@ absl::Status DenseBox::SetBox(const std::optional<IndexBox>& box, uint64_t eleme
   for (const uint64_t side : shape_) {
     bytes *= side;
     if (bytes <= kMost) continue;
-    return absl::ResourceExhaustedError(
-        absl::StrCat(target, ": a dense array of ", absl::StrJoin(shape_, " x "), " elements exceeds ", kMost,
-                     " bytes; request less with --region, or a .npy or .h5, which hold voxels alone"));
+    const std::string sides = absl::StrJoin(shape_, " x "), limit = absl::StrCat(kMost, " bytes");
+    return TooLarge(target, absl::StrCat("a dense array of ", sides, " elements exceeds ", limit), sides, limit,
+                    "request less with --region, or a .npy or .h5, which hold voxels alone");
   }
   return absl::OkStatus();
 }

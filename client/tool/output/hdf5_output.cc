@@ -59,6 +59,7 @@ class Hdf5Output final : public Output {
     hdf5_->SilenceThread();
     const uint64_t first = ijk_->rows();
     for (const Brick& brick : batch.bricks) {
+      if (auto status = target_->CheckGoesOn(); !status.ok()) return status;
       box_.Add(brick);
       brick_ijk_->Append(brick.brick_ijk);
       brick_mask_->Append(brick.mask);

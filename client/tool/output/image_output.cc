@@ -66,7 +66,7 @@ class ImageOutput final : public Output {
     if (std::any_of(name.begin(), name.end(), [](unsigned char c) { return c < ' '; })) {
       return absl::InvalidArgumentError(absl::StrCat(file_->target(), ": a line of a .mhd cannot hold this name"));
     }
-    auto data = AtomicFile::Create(data_path.string());
+    auto data = AtomicFile::Create(data_path.string(), AtomicFile::Form::kUnnamed, file_->cancellation());
     if (!data.ok()) return data.status();
     data_ = *std::move(data);
     return absl::OkStatus();

@@ -74,7 +74,8 @@ class GridOutput final : public Output {
     } else {
       grid_->Describe(request_, note_, names_, summary);
     }
-    if (auto status = grid_->Write(file_->temporary(), format_); !status.ok()) return file_->Named(status);
+    const absl::Status written = grid_->Write(file_->temporary(), format_, file_->cancellation());
+    if (!written.ok()) return file_->Named(written);
     return file_->Sync();
   }
   absl::Status Commit() override { return file_->Commit(); }
@@ -377,7 +378,7 @@ absl::StatusOr<std::unique_ptr<Output>> OpenOutput(const std::string& path, cons
   if (format->by_openvdb || is_with_fields) {
     if (auto status = Vdb::Prepare(); !status.ok()) return status;
   }
-  auto file = AtomicFile::Create(path);
+  auto file = AtomicFile::Create(path, AtomicFile::Form::kUnnamed, options.cancellation);
   if (!file.ok()) return file.status();
   return format->open(*std::move(file), of_file, options);
 }

@@ -12,6 +12,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "client/tool/output/box_shape.h"
+#include "latvox/cancellation.h"
 #include "latvox/grid/carried_names.h"
 #include "latvox/grid/grid_content.h"
 #include "latvox/mesh_files/up_axis.h"
@@ -22,7 +23,7 @@ namespace latvox::client {
 
 // Receives the data of a call in order: Begin, any number of Add, Finish, Commit. Only Commit changes the target file.
 // Without it nothing is left behind. Not thread-safe.
-// Errors: FAILED_PRECONDITION, naming the file and the message of the system; RESOURCE_EXHAUSTED (memory).
+// Errors: FAILED_PRECONDITION, naming the file and the message of the system; RESOURCE_EXHAUSTED (memory); CANCELLED.
 class Output {
  public:
   virtual ~Output() = default;
@@ -54,6 +55,7 @@ struct OutputOptions {
   MeshNote note = {};                                      // of the mesh, for the metadata of grids
   MakePage make_page = nullptr;                            // of a .html, which needs it
   std::optional<MetadataPairs> metadata = std::nullopt;    // of grids, in place of request, note and summary
+  Cancellation cancellation = {};                          // ends the writing within a moment
 };
 
 // Returns the extension, with the dot, in lower case: also the double ones, such as ".nii.gz" and ".links.csv".

@@ -3,10 +3,12 @@
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/task_arena.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <new>
 
 #include "deploy/process/exhaustion.h"
+#include "latvox/for_each_voxel.h"
 
 namespace latvox::client {
 namespace {
@@ -38,6 +40,27 @@ absl::Status ForAllAtOnce(const Outputs& outputs, const Cancellation& cancellati
   }
   for (const absl::Status& end : ends) {
     if (!end.ok()) return end;
+  }
+  return absl::OkStatus();
+}
+
+absl::Status AddInPieces(const BrickBatch& all, const Cancellation& cancellation,
+                         absl::FunctionRef<absl::Status(const BrickBatch&)> add) {
+  constexpr size_t kBricks = 256;
+  size_t first = 0;  // of the piece's voxels
+  for (size_t brick = 0; brick < all.bricks.size(); brick += kBricks) {
+    if (cancellation.cancelled()) return absl::CancelledError("cancelled");
+    const auto bricks = all.bricks.subspan(brick, std::min(kBricks, all.bricks.size() - brick));
+    size_t count = 0;
+    for (const Brick& one : bricks) count += CountVoxels(one);
+    std::vector<FieldValues> fields;
+    for (const FieldValues& values : all.fields) {
+      const std::byte* const begin = values.bytes.data() + first * values.bytes_of_voxel();
+      fields.push_back(
+          {values.field, {begin, begin + count * values.bytes_of_voxel()}, values.neighbors, values.labels});
+    }
+    if (auto status = add({bricks, all.progress, fields}); !status.ok()) return status;
+    first += count;
   }
   return absl::OkStatus();
 }

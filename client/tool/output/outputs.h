@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "absl/functional/function_ref.h"
 #include "absl/status/status.h"
 #include "client/tool/output/output.h"
 #include "latvox/cancellation.h"
@@ -21,6 +22,11 @@ using Outputs = std::vector<std::unique_ptr<Output>>;
 // of the steps.
 absl::Status ForAllAtOnce(const Outputs& outputs, const Cancellation& cancellation,
                           const std::function<absl::Status(Output&)>& step);
+
+// Calls add(batch) with some hundred bricks of `all` at a time, in their order, as those of a call come: so a file's
+// voxels do not keep an output busy for long. Memory: the fields of these bricks. Errors: CANCELLED; the first of add.
+absl::Status AddInPieces(const BrickBatch& all, const Cancellation& cancellation,
+                         absl::FunctionRef<absl::Status(const BrickBatch&)> add);
 
 // Returns the warnings of all outputs, in their order.
 std::vector<Warning> WarningsOf(const Outputs& outputs);

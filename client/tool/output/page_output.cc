@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "client/tool/vdb/vdb.h"
+#include "latvox/error.h"
 #include "latvox/grid/grid_content.h"
 
 namespace latvox::client {
@@ -19,7 +20,7 @@ class PageOutput final : public Output {
   void SetNames(const CarriedNames& names) override { names_ = names; }
 
   absl::Status Begin(const Accepted& accepted) override {
-    auto grid = AtomicFile::Create(file_->target());
+    auto grid = AtomicFile::Create(file_->target(), AtomicFile::Form::kUnnamed, file_->cancellation());
     if (!grid.ok()) return grid.status();
     grid_path_ = (*grid)->temporary();
     grid_ = new_vdb_(*std::move(grid));
@@ -36,9 +37,12 @@ class PageOutput final : public Output {
     const auto content = (*vdb)->ReadOwnContent(grid_path_);
     grid_.reset();
     if (!content.ok()) return content.status();
+    if (auto status = file_->CheckGoesOn(); !status.ok()) return status;
     const auto page = make_page_(*content, std::filesystem::path(file_->target()).stem().string(), up_);
     if (!page.ok()) {
-      return absl::Status(page.status().code(), absl::StrCat(file_->target(), ": ", page.status().message()));
+      absl::Status named(page.status().code(), absl::StrCat(file_->target(), ": ", page.status().message()));
+      SetErrorDetails(GetErrorDetails(page.status()), named);
+      return named;
     }
     if (auto status = file_->Append(*page); !status.ok()) return status;
     return file_->Sync();

@@ -44,7 +44,7 @@ class PictureOutput final : public Output {
         traits_{request.fields},
         shows_skin_(std::holds_alternative<Band>(request.set) &&
                     std::ranges::find(request.fields, Field::kDistance) != request.fields.end()),
-        options_{.up = up} {}
+        options_{.up = up, .cancellation = file_->cancellation()} {}
 
   absl::Status Begin(const Accepted& accepted) override {
     const auto [low, high] = Visible(accepted);

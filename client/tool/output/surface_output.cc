@@ -19,6 +19,7 @@
 #include "client/json/json.h"
 #include "client/mesh/srgb.h"
 #include "client/tool/output/cell_index.h"
+#include "client/tool/output/format_limit.h"
 #include "client/tool/output/voronoi_cell.h"
 #include "client/tool/output/voxel_colors.h"
 #include "latvox/for_each_voxel.h"
@@ -61,8 +62,8 @@ Rgba LinearOf(uint32_t color) {
 // holds none of them: it holds the bricks, and 2 bytes for each voxel. Voxels do not share corners.
 class Surface {
  public:
-  // `bricks` must outlive the surface.
-  Surface(const std::vector<Brick>& bricks, const GridTransform& grid)
+  // `bricks` must outlive the surface. It is incomplete once the call is cancelled.
+  Surface(const std::vector<Brick>& bricks, const GridTransform& grid, const Cancellation& cancellation)
       : bricks_(bricks), grid_(grid), cell_(VoronoiCellOf(grid.basis)), patterns_(size_t{1} << cell_.faces.size()) {
     for (const Brick& brick : bricks) masks_[brick.brick_ijk] = brick.mask;
     if (!bricks.empty()) {
@@ -70,6 +71,7 @@ class Surface {
       place_ = grid.ToWorld({8 * b[0], 8 * b[1], 8 * b[2]});
     }
     for (const Brick& brick : bricks) {
+      if (cancellation.cancelled()) return;
       ForEachVoxel(brick, [&](const Vec3i& ijk) {
         open_.push_back(OpenFacets(brick, ijk));
         const Pattern& pattern = PatternOf(open_.back());
@@ -273,7 +275,8 @@ class GlbOutput final : public Output {
   }
 
   absl::Status Finish(const Summary& summary) override {
-    Surface surface(bricks_, grid_);
+    Surface surface(bricks_, grid_, file_->cancellation());
+    if (auto status = file_->CheckGoesOn(); !status.ok()) return status;
     const bool colored = !numbers_.empty();
     std::string json = Describe(surface, colored, summary).dump();
     json.resize((json.size() + 3) / 4 * 4, ' ');
@@ -281,9 +284,10 @@ class GlbOutput final : public Output {
         surface.corners() * (sizeof(Position) + (colored ? sizeof(Rgba) : 0)) + surface.triangles() * sizeof(Triangle);
     const uint64_t all = 12 + 8 + json.size() + (binary > 0 ? 8 + binary : 0);
     if (all > UINT32_MAX) {
-      return absl::ResourceExhaustedError(absl::StrCat(file_->target(), ": the surface takes ", all,
-                                                       " bytes, which exceeds the limit of ", UINT32_MAX,
-                                                       " of a .glb"));
+      const std::string limit = absl::StrCat(UINT32_MAX);
+      return TooLarge(file_->target(),
+                      absl::StrCat("the surface takes ", all, " bytes, which exceed the format's ", limit),
+                      absl::StrCat(all), limit);
     }
     std::string head;
     AppendWords({kGlbMagic, kGlbVersion, static_cast<uint32_t>(all), static_cast<uint32_t>(json.size()), kJsonChunk},

@@ -16,6 +16,7 @@
 #include "absl/strings/str_join.h"
 #include "absl/strings/string_view.h"
 #include "client/tool/output/box_output.h"
+#include "client/tool/output/format_limit.h"
 #include "client/tool/output/palette.h"
 #include "client/tool/output/voxel_colors.h"
 #include "latvox/for_each_voxel.h"
@@ -243,8 +244,10 @@ class VoxOutput final : public Output {
     constexpr uint64_t kBytesOfModel = 24 + 16;  // SIZE; XYZI without its voxels
     const uint64_t bytes = models.size() * kBytesOfModel + 4 * voxels + end.size();
     if (bytes > kMostBytes) {
-      return absl::ResourceExhaustedError(absl::StrCat(file_->target(), ": ", voxels, " voxels make ", bytes,
-                                                       " bytes, which exceed the format's ", kMostBytes));
+      const std::string limit = absl::StrCat(kMostBytes);
+      return TooLarge(file_->target(),
+                      absl::StrCat(voxels, " voxels make ", bytes, " bytes, which exceed the format's ", limit),
+                      absl::StrCat(bytes), limit);
     }
     const auto append = [this](const std::string& chunk) { return file_->Append(chunk); };
     if (auto status = append("VOX " + Word(150) + ChunkHead("MAIN", 0, bytes)); !status.ok()) return status;

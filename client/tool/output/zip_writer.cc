@@ -21,7 +21,8 @@ namespace {
 // libzip reads a member through this, which has compressed it already: libzip would do that in one thread.
 class MemberSource {
  public:
-  explicit MemberSource(const ZipMember& member) : bytes_(member.bytes), stream_(member.next, Check::kCrc32) {
+  MemberSource(const ZipMember& member, const Cancellation& cancellation)
+      : bytes_(member.bytes), stream_(member.next, Check::kCrc32), cancellation_(cancellation) {
     zip_error_init(&error_);
   }
   ~MemberSource() { zip_error_fini(&error_); }
@@ -46,6 +47,10 @@ class MemberSource {
 
  private:
   zip_int64_t Read(char* data, zip_uint64_t size) {
+    if (cancellation_.cancelled()) {
+      zip_error_set(&error_, ZIP_ER_CANCELLED, 0);
+      return -1;
+    }
     if (at_ == chunk_.size()) {
       if (!stream_.Next(chunk_).ok()) {
         zip_error_set(&error_, ZIP_ER_MEMORY, 0);
@@ -75,6 +80,7 @@ class MemberSource {
 
   const uint64_t bytes_;  // before compression
   DeflateStream stream_;
+  const Cancellation& cancellation_;
   std::string chunk_;
   size_t at_ = 0;
   bool is_whole_ = false;
@@ -160,7 +166,7 @@ absl::Status Add(MemberSource& source, const std::string& name, zip_t* archive) 
 }
 
 // `sink` and the members outlive the archive.
-absl::Status Write(const std::vector<ZipMember>& members, ArchiveSink& sink) {
+absl::Status Write(const std::vector<ZipMember>& members, const Cancellation& cancellation, ArchiveSink& sink) {
   zip_error_t error;
   zip_error_init(&error);
   const absl::Cleanup forget = [&error] { zip_error_fini(&error); };
@@ -173,7 +179,7 @@ absl::Status Write(const std::vector<ZipMember>& members, ArchiveSink& sink) {
   std::deque<MemberSource> sources;
   absl::Status status;
   for (const ZipMember& member : members) {
-    status = Add(sources.emplace_back(member), member.name, archive);
+    status = Add(sources.emplace_back(member, cancellation), member.name, archive);
     if (!status.ok()) break;
   }
   if (status.ok() && zip_close(archive) == 0) return status;
@@ -192,7 +198,8 @@ absl::Status WriteZip(const std::vector<ZipMember>& members, AtomicFile& file) {
   if (fd < 0) return cannot(std::strerror(errno));
   const absl::Cleanup close_file = [fd] { close(fd); };
   ArchiveSink sink(fd);
-  const absl::Status status = Write(members, sink);
+  const absl::Status status = Write(members, file.cancellation(), sink);
+  if (auto stopped = file.CheckGoesOn(); !stopped.ok()) return stopped;
   return status.ok() ? status : cannot(status.message());
 }
 

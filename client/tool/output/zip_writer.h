@@ -20,7 +20,7 @@ struct ZipMember {
 
 // Writes the members, deflated, with the date 1980-01-01: the same members make the same bytes. Members of 4 GiB and
 // more make a Zip64 archive. PackedBlocks are in memory a few at a time. Errors: FAILED_PRECONDITION, with the target
-// and the message of the system. Precondition: nothing has been written to the file.
+// and the message of the system; CANCELLED. Precondition: nothing has been written to the file.
 absl::Status WriteZip(const std::vector<ZipMember>& members, AtomicFile& file);
 
 }  // namespace latvox::client

@@ -39,9 +39,9 @@ class BrickGrid final : public VdbGrid {
     read.merge(std::move(metadata_));
     metadata_ = std::move(read);
   }
-  absl::Status Write(const std::string& path, VdbFormat) override {
+  absl::Status Write(const std::string& path, VdbFormat, const Cancellation& cancellation) override {
     return WriteVoxelFile(
-        tree_, transform_, [this](const VoxelCounts&) { return metadata_; }, path);
+        tree_, transform_, [this](const VoxelCounts&) { return metadata_; }, path, cancellation);
   }
 
  private:

@@ -12,6 +12,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "client/grid/difference_file.h"
+#include "latvox/cancellation.h"
 #include "latvox/grid/carried_names.h"
 #include "latvox/grid/grid_content.h"
 #include "latvox/grid/merge.h"
@@ -35,7 +36,7 @@ class VdbGrid {
   virtual void SetMetadata(const std::vector<std::pair<std::string, std::string>>& metadata) = 0;
 
   // Writes the file to `path`. Errors as those of the grid's own function, Write or WriteNano.
-  virtual absl::Status Write(const std::string& path, VdbFormat format) = 0;
+  virtual absl::Status Write(const std::string& path, VdbFormat format, const Cancellation& cancellation) = 0;
 };
 
 // How far OpenVDB is loaded: not at all; in a thread that nobody has waited for; or as far as it can be.
@@ -75,7 +76,7 @@ class Vdb {
                                            const std::function<void(double, uint64_t)>& progress,
                                            const ReadPart& read) const = 0;
   virtual absl::Status WriteDifference(const GridDifference& difference, const GridTransform& transform,
-                                       const std::string& path) const = 0;
+                                       const std::string& path, const Cancellation& cancellation) const = 0;
 
  protected:
   ~Vdb() = default;  // it stays loaded

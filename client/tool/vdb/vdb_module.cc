@@ -31,8 +31,8 @@ class AnyGrid final : public VdbGrid {
   void SetMetadata(const std::vector<std::pair<std::string, std::string>>& metadata) override {
     grid_.SetMetadata(metadata);
   }
-  absl::Status Write(const std::string& path, VdbFormat format) override {
-    return format == VdbFormat::kNanoVdb ? grid_.WriteNano(path) : grid_.Write(path);
+  absl::Status Write(const std::string& path, VdbFormat format, const Cancellation& cancellation) override {
+    return format == VdbFormat::kNanoVdb ? grid_.WriteNano(path, cancellation) : grid_.Write(path, cancellation);
   }
 
  private:
@@ -71,8 +71,8 @@ class Module final : public Vdb {
     return MergeParts(parts, path, cancellation, progress, read);
   }
   absl::Status WriteDifference(const GridDifference& difference, const GridTransform& transform,
-                               const std::string& path) const override {
-    return WriteDifferenceFile(difference, transform, path);
+                               const std::string& path, const Cancellation& cancellation) const override {
+    return WriteDifferenceFile(difference, transform, path, cancellation);
   }
 };
 

@@ -17,6 +17,7 @@
 #include "client/tool/output/file_metadata.h"
 #include "client/tool/output/voronoi_cell.h"
 #include "client/tool/view/paints.h"
+#include "latvox/error.h"
 #include "latvox/for_each_voxel.h"
 
 // Embeds the files of this folder unchanged.
@@ -51,16 +52,22 @@ Json MetadataOf(const GridFileInfo& info) {
   return metadata;
 }
 
+absl::Status BeyondPage(const std::string& what, const std::string& value, uint64_t limit) {
+  absl::Status status =
+      absl::ResourceExhaustedError(absl::StrCat(what, " exceed the limit of ", limit,
+                                                " of a page; voxelize a part (--bounds, --region), or more coarsely "
+                                                "(--resolution, --voxel-size), or draw a .png"));
+  SetErrorDetails({"LIMIT_EXCEEDED", "--out", value, absl::StrCat(limit), std::nullopt}, status);
+  return status;
+}
+
 absl::Status CheckSize(const GridFileInfo& info, const IndexBox& box) {
-  constexpr char kRemedy[] = "; voxelize a part (--bounds, --region), or more coarsely (--resolution, --voxel-size)";
   if (info.active_voxels > kMaxPageVoxels) {
-    return absl::ResourceExhaustedError(
-        absl::StrCat(info.active_voxels, " voxels exceed the limit of ", kMaxPageVoxels, " of a page", kRemedy));
+    return BeyondPage(absl::StrCat(info.active_voxels, " voxels"), absl::StrCat(info.active_voxels), kMaxPageVoxels);
   }
   for (size_t m = 0; m < 3; ++m) {
     if (const int64_t side = int64_t{box.max[m]} - box.min[m]; side > kMaxSide) {
-      return absl::ResourceExhaustedError(absl::StrCat(side, " voxels on axis ", std::string(1, "ijk"[m]),
-                                                       " exceed the limit of ", kMaxSide, " of a page", kRemedy));
+      return BeyondPage(absl::StrCat(side, " voxels on axis ", std::string(1, "ijk"[m])), absl::StrCat(side), kMaxSide);
     }
   }
   return absl::OkStatus();

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "latvox/cancellation.h"
 #include "latvox/export.h"
 #include "latvox/types.h"
 
@@ -52,11 +53,11 @@ class LATVOX_EXPORT DistanceGrid {
   void SetMetadata(const std::vector<std::pair<std::string, std::string>>& metadata);
 
   // Writes a .vdb file to `path`, replacing an existing file; not atomic. Errors: UNKNOWN, with the path and OpenVDB's
-  // message.
-  absl::Status Write(const std::string& path);
+  // message; CANCELLED.
+  absl::Status Write(const std::string& path, const Cancellation& cancellation = {});
 
   // Writes a .nvdb file, with the metadata as text; see VoxelGrid::WriteNano.
-  absl::Status WriteNano(const std::string& path);
+  absl::Status WriteNano(const std::string& path, const Cancellation& cancellation = {});
 
  private:
   struct Content;

@@ -25,6 +25,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "latvox/cancellation.h"
 #include "latvox/export.h"
 #include "latvox/grid/carried_names.h"
 #include "latvox/types.h"
@@ -69,11 +70,11 @@ class LATVOX_EXPORT FieldGrids {
   void SetMetadata(const std::vector<std::pair<std::string, std::string>>& metadata);
 
   // Writes a .vdb file of all grids to `path`, replacing an existing file; not atomic. Errors: UNKNOWN, with the path
-  // and OpenVDB's message.
-  absl::Status Write(const std::string& path);
+  // and OpenVDB's message; CANCELLED.
+  absl::Status Write(const std::string& path, const Cancellation& cancellation = {});
 
   // Writes a .nvdb file of all grids, with the metadata as text; see VoxelGrid::WriteNano.
-  absl::Status WriteNano(const std::string& path) const;
+  absl::Status WriteNano(const std::string& path, const Cancellation& cancellation = {}) const;
 
  private:
   struct Content;

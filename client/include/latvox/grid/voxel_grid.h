@@ -19,6 +19,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "latvox/cancellation.h"
 #include "latvox/export.h"
 #include "latvox/types.h"
 
@@ -61,13 +62,13 @@ class LATVOX_EXPORT VoxelGrid {
   // Returns the number of voxels added. Visits each leaf.
   uint64_t CountActiveVoxels() const;
 
-  // Writes a .vdb file to `path`, replacing an existing file; not atomic. Prunes the grid's tree before. Errors: UNKNOWN,
-  // with the path and OpenVDB's message.
-  absl::Status Write(const std::string& path) const;
+  // Writes a .vdb file to `path`, replacing an existing file; not atomic. Prunes the grid's tree before. Errors:
+  // UNKNOWN, with the path and OpenVDB's message; CANCELLED.
+  absl::Status Write(const std::string& path, const Cancellation& cancellation = {}) const;
 
   // Writes the same as a .nvdb file (NanoVDB): name, voxels and transform. The metadata are lines of text, "NAME =
   // VALUE", in the blind data "latvox". Errors: as Write.
-  absl::Status WriteNano(const std::string& path) const;
+  absl::Status WriteNano(const std::string& path, const Cancellation& cancellation = {}) const;
 
   struct Content;                                       // in latvox/grid/openvdb_grid.h
   const Content& content() const { return *content_; }  // for programs that go on with OpenVDB
@@ -108,7 +109,8 @@ struct GridFile {
 };
 
 // Reads the file's voxels. Memory: 230 bytes for each brick while it reads, 80 for each one of a tile and afterwards.
-// Active tiles are read as bricks. Errors: as above; a grid that is not boolean, or has tiles of more than 2^34 voxels; a transform with numbers that are not finite.
+// Active tiles are read as bricks. Errors: as above; a grid that is not boolean, or has tiles of more than 2^34 voxels;
+// a transform with numbers that are not finite.
 LATVOX_EXPORT absl::StatusOr<GridFile> ReadGridFile(const std::string& path);
 
 // Returns the metadata latvox_digest of a .vdb file's first grid, or an empty text. Reads no voxel, and is safe with
