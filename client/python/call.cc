@@ -31,9 +31,13 @@ MeshReader ReaderOf(Mesh arrays, const MeshSource& source) {
 std::vector<PartArrays> PartsOf(const py::tuple& parts) {
   std::vector<PartArrays> all;
   for (const py::handle part : parts) {
-    PartArrays arrays{part.attr("vertices").cast<py::array>(), {},
-                      part.attr("colors").cast<py::array>(),   part.attr("face_colors").cast<py::array>(),
-                      part.attr("name").cast<std::string>(),   part.attr("no_color").cast<std::string>()};
+    PartArrays arrays{part.attr("vertices").cast<py::array>(),
+                      {},
+                      part.attr("sizes").cast<std::optional<py::array>>(),
+                      part.attr("colors").cast<py::array>(),
+                      part.attr("face_colors").cast<py::array>(),
+                      part.attr("name").cast<std::string>(),
+                      part.attr("no_color").cast<std::string>()};
     for (const py::handle one : part.attr("faces")) arrays.faces.push_back(one.cast<py::array>());
     all.push_back(std::move(arrays));
   }

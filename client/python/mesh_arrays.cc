@@ -101,10 +101,9 @@ absl::Status AddPositions(const py::array& asked, bool skip_bad, Mesh& mesh) {
 }
 
 // Returns the error of row `f`, whose indices may be out of range.
-absl::Status CheckFace(py::ssize_t f, const int64_t* indices, size_t corners, const Mesh& mesh) {
+absl::Status CheckFace(py::ssize_t f, const std::vector<int64_t>& indices, const Mesh& mesh) {
   const size_t count = mesh.positions.size();
-  for (size_t n = 0; n < corners; ++n) {
-    const int64_t index = indices[n];
+  for (const int64_t index : indices) {
     if (index < 0 || static_cast<uint64_t>(index) >= count) {
       return Wrong("faces", absl::StrCat(index), absl::StrCat("0 to below ", count), "[", f, "]: index ", index,
                    " is not within 0 and ", count, ", the number of vertices");
@@ -126,45 +125,92 @@ struct FaceColors {
   }
 };
 
-// Adds the faces of a table of any strides. `first` is the number of faces in the arrays before.
-template <class T>
-absl::Status AddRows(const py::array_t<T>& given, size_t first, BadElements& bad, FaceColors& colors, Mesh& mesh) {
-  const auto rows = given.template unchecked<2>();
-  const auto corners = static_cast<size_t>(rows.shape(1));
-  std::vector<int64_t> indices(corners);
-  std::vector<uint32_t> face(corners);
-  mesh.triangles.reserve(mesh.triangles.size() + static_cast<size_t>(rows.shape(0)) * (corners - 2));
-  for (py::ssize_t f = 0; f < rows.shape(0); ++f) {
-    for (size_t n = 0; n < corners; ++n) indices[n] = static_cast<int64_t>(rows(f, static_cast<py::ssize_t>(n)));
-    if (absl::Status wrong = CheckFace(f, indices.data(), corners, mesh); !wrong.ok()) {
-      if (absl::Status status = bad.Add(wrong, absl::StrCat("faces[", f, "]")); !status.ok()) return status;
-      continue;
-    }
-    std::ranges::transform(indices, face.begin(), [](int64_t index) { return static_cast<uint32_t>(index); });
-    if (corners == 3) {
-      mesh.triangles.push_back({face[0], face[1], face[2]});
-    } else {
-      Triangulate(face, mesh.positions, mesh.triangles);
-    }
-    colors.Add(first + static_cast<size_t>(f), mesh);
-  }
-  return absl::OkStatus();
-}
+// Adds faces to a mesh whose positions are known.
+class FaceAdder {
+ public:
+  FaceAdder(BadElements& bad, FaceColors& colors, Mesh& mesh) : bad_(bad), colors_(colors), mesh_(mesh) {}
 
-absl::Status AddFaces(const py::array& asked, size_t first, BadElements& bad, FaceColors& colors, Mesh& mesh) {
-  const py::array given = Aligned(asked);
-  if (!IsTable(given, "iu") || given.shape(1) < 3) {
-    return WrongKind("faces", given, "(m, 3) integers, or more of them in a row");
+  // Adds the faces of a table, of any strides.
+  absl::Status AddTable(const py::array& asked) {
+    const py::array given = Aligned(asked);
+    if (!IsTable(given, "iu") || given.shape(1) < 3) {
+      return WrongKind("faces", given, "(m, 3) integers, or more of them in a row");
+    }
+    absl::Status status;
+    const auto take = [&](const auto& table) { status = AddRows(table); };
+    if (!TakeAs<int32_t>(given, take) && !TakeAs<int64_t>(given, take) && !TakeAs<uint32_t>(given, take)) {
+      TakeAs<int64_t>(py::array_t<int64_t, kInOrder>::ensure(given), take);  // other integers take a copy of their own
+    }
+    return status;
   }
-  absl::Status status;
-  const auto take = [&](const auto& rows) { status = AddRows(rows, first, bad, colors, mesh); };
-  if (!TakeAs<int32_t>(given, take) && !TakeAs<int64_t>(given, take) && !TakeAs<uint32_t>(given, take)) {
-    TakeAs<int64_t>(py::array_t<int64_t, kInOrder>::ensure(given), take);  // other integers take a copy of their own
+
+  // Adds faces of these sizes, whose corners follow each other.
+  absl::Status AddList(const py::array& corners, const py::array& sizes) {
+    const auto all = py::array_t<int64_t, kInOrder>::ensure(corners),
+               counts = py::array_t<int64_t, kInOrder>::ensure(sizes);
+    const int64_t* next = all.data();
+    for (py::ssize_t f = 0; f < counts.size(); next += counts.data()[f++]) {
+      face_.assign(next, next + counts.data()[f]);
+      if (absl::Status status = Add(f); !status.ok()) return status;
+    }
+    return absl::OkStatus();
   }
-  return status;
-}
+
+ private:
+  template <class T>
+  absl::Status AddRows(const py::array_t<T>& given) {
+    const auto rows = given.template unchecked<2>();
+    face_.resize(static_cast<size_t>(rows.shape(1)));
+    for (py::ssize_t f = 0; f < rows.shape(0); ++f) {
+      for (py::ssize_t n = 0; n < rows.shape(1); ++n) face_[static_cast<size_t>(n)] = static_cast<int64_t>(rows(f, n));
+      if (absl::Status status = Add(f); !status.ok()) return status;
+    }
+    return absl::OkStatus();
+  }
+
+  // Adds face_, which is in row `f`.
+  absl::Status Add(py::ssize_t f) {
+    const size_t number = faces_++;
+    if (absl::Status wrong = CheckFace(f, face_, mesh_); !wrong.ok()) {
+      return bad_.Add(wrong, absl::StrCat("faces[", f, "]"));
+    }
+    polygon_.resize(face_.size());
+    std::ranges::transform(face_, polygon_.begin(), [](int64_t index) { return static_cast<uint32_t>(index); });
+    if (polygon_.size() == 3) {
+      mesh_.triangles.push_back({polygon_[0], polygon_[1], polygon_[2]});
+    } else {
+      Triangulate(polygon_, mesh_.positions, mesh_.triangles);
+    }
+    colors_.Add(number, mesh_);
+    return absl::OkStatus();
+  }
+
+  BadElements& bad_;
+  FaceColors& colors_;
+  Mesh& mesh_;
+  size_t faces_ = 0;  // so far, of all arrays
+  std::vector<int64_t> face_;
+  std::vector<uint32_t> polygon_;
+};
 
 size_t RowsOf(const py::array& array) { return array.ndim() == 0 ? 0 : static_cast<size_t>(array.shape(0)); }
+
+size_t FacesOf(const PartArrays& part) {
+  if (part.sizes) return RowsOf(*part.sizes);
+  size_t faces = 0;
+  for (const py::array& table : part.faces) faces += RowsOf(table);
+  return faces;
+}
+
+// Returns the number of triangles that the faces become, if they are as they should be.
+size_t TrianglesOf(const PartArrays& part) {
+  if (part.sizes) return RowsOf(part.faces.front()) - 2 * RowsOf(*part.sizes);
+  size_t triangles = 0;
+  for (const py::array& table : part.faces) {
+    if (table.ndim() == 2 && table.shape(1) > 2) triangles += RowsOf(table) * static_cast<size_t>(table.shape(1) - 2);
+  }
+  return triangles;
+}
 
 // Returns the rows of an array of colors: none, or `count`.
 absl::StatusOr<std::vector<Color>> ReadColors(const char* field, const py::array& given, size_t count,
@@ -184,15 +230,17 @@ absl::Status AddPart(const PartArrays& part, const ParseOptions& options, Mesh& 
   if (absl::Status status = AddPositions(part.vertices, options.skip_bad, mesh); !status.ok()) return status;
   auto colors = ReadColors("colors", part.colors, mesh.positions.size(), "vertex");
   if (!colors.ok()) return colors.status();
-  size_t faces = 0;
-  for (const py::array& one : part.faces) faces += RowsOf(one);
-  auto of_faces = ReadColors("face_colors", part.face_colors, faces, "face");
+  auto of_faces = ReadColors("face_colors", part.face_colors, FacesOf(part), "face");
   if (!of_faces.ok()) return of_faces.status();
   FaceColors face_colors{*std::move(of_faces)};
-  size_t first = 0;
-  for (const py::array& one : part.faces) {
-    if (absl::Status status = AddFaces(one, first, bad, face_colors, mesh); !status.ok()) return status;
-    first += RowsOf(one);
+  FaceAdder faces(bad, face_colors, mesh);
+  mesh.triangles.reserve(TrianglesOf(part));  // once: a mesh may have an array for each of its faces
+  if (part.sizes) {
+    if (absl::Status status = faces.AddList(part.faces.front(), *part.sizes); !status.ok()) return status;
+  } else {
+    for (const py::array& table : part.faces) {
+      if (absl::Status status = faces.AddTable(table); !status.ok()) return status;
+    }
   }
   bad.Report(mesh);
   if (mesh.triangles.empty()) return Wrong("faces", "", "", ": the mesh has none", LeftOut(mesh));

@@ -4,6 +4,7 @@
 
 #include <pybind11/numpy.h>
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,12 +17,15 @@ namespace latvox::client::python {
 // One part of a mesh.
 //   vertices      (n, 3) numbers, world
 //   faces         each (m, k) integers, k >= 3: indices of vertices. Polygons are cut as those of files are
+//   sizes         (m,) integers, each >= 3: then there is one array of faces, (c,), with the corners of m faces of
+//                 these sizes
 //   colors        (n, 3) uint8: red, green, blue of each vertex; or (0, 3): there are none
 //   face_colors   likewise of each face, in the order of `faces`. Those of vertices count before them
 //   no_color      why there are no colors, for the error of a call that needs them
 struct PartArrays {
   pybind11::array vertices;
   std::vector<pybind11::array> faces;
+  std::optional<pybind11::array> sizes;
   pybind11::array colors, face_colors;
   std::string name, no_color;  // the name may be empty
 };

@@ -8,6 +8,7 @@ import meshio
 import numpy as np
 import pytest
 from harness import BUNNY, box, encode_drc, octahedron, write_obj, write_ply, write_stl
+from latvox._meshes import source_of
 from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
 from vtkmodules.vtkCommonCore import vtkPoints
 from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData, vtkUnstructuredGrid
@@ -226,6 +227,30 @@ def test_polygons_are_cut_like_those_of_files(tmp_path):
         v = latvox.voxelize(mesh, **options)
         assert np.array_equal(v.ijk, expected.ijk) and np.array_equal(v["triangle"], expected["triangle"])
     assert latvox.voxelize(mixed, resolution=8).report["mesh"]["triangles"] == 6
+
+
+def test_many_polygons_of_two_sizes_are_one_list_of_corners():
+    """An array for each run of equal faces took time that grew with the square of their number."""
+    columns = 200_001
+    vertices = np.stack([np.repeat(np.arange(columns), 2), np.tile([0, 1], columns), np.zeros(2 * columns)], -1)
+    low = 2 * np.arange(columns - 1)
+    quads = np.stack([low, low + 2, low + 3, low + 1], -1)[::2]
+    triangles = np.stack([low, low + 2, low + 3], -1)[1::2]
+    listed = np.column_stack([np.full(len(quads), 4), quads, np.full(len(triangles), 3), triangles]).ravel()
+    mixed = PolyData([listed], vertices)
+    (part,) = source_of(mixed, with_colors=False)
+    assert len(part.faces) == 1 and len(part.sizes) == columns - 1
+    v = latvox.voxelize(mixed, resolution=500)
+    assert v.report["mesh"]["triangles"] == 2 * len(quads) + len(triangles)
+    assert v.digest == latvox.voxelize([(vertices, quads), (vertices, triangles)], resolution=500).digest
+
+
+def test_many_blocks_of_meshio():
+    vertices, _ = BOX
+    quads = np.array([(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)])
+    blocks = [("quad", quads[n % 6 : n % 6 + 1]) if n % 2 else ("triangle", quads[n % 6 : n % 6 + 1, :3]) for n in range(20_000)]
+    v = latvox.voxelize(meshio.Mesh(np.array(vertices, float), blocks), resolution=8)
+    assert v.report["mesh"]["triangles"] == 30_000
 
 
 def test_colors_of_vertices():

@@ -20,11 +20,12 @@ class Part(NamedTuple):
     """A part of a mesh, as _latvox takes it: the members of PartArrays."""
 
     vertices: np.ndarray  # (n, 3)
-    faces: List[np.ndarray]  # each (m, k), in their order
+    faces: List[np.ndarray]  # each (m, k), in their order; with sizes, one (c,): the corners, face after face
     colors: np.ndarray = _NONE  # (n, 3)
     face_colors: np.ndarray = _NONE  # (all m, 3)
     name: str = ""
     no_color: str = ""  # why there are no colors
+    sizes: Optional[np.ndarray] = None  # (m,): the number of corners of each face
 
 
 Source = Union[List[str], Tuple[Part, ...]]  # paths, or parts
@@ -136,13 +137,14 @@ def _vtk(mesh: Any, with_colors: bool) -> Optional[List[Part]]:
         raise _bad("strips", "polygons", "triangle strips are not read; pass the output of vtkTriangleFilter")
     points = mesh.GetPoints()
     vertices = np.empty((0, 3)) if points is None else np.asarray(points.GetData())
-    faces, has_surface = _runs(np.asarray(mesh.GetPolys().GetData()))
+    faces, sizes, has_surface = _polygons(np.asarray(mesh.GetPolys().GetData()))
     if not with_colors:
-        return [Part(vertices, faces)]
+        return [Part(vertices, [faces], sizes=sizes)]
     before = mesh.GetNumberOfVerts() + mesh.GetNumberOfLines()  # the cells of polygons come after them
     of_cells = _vtk_colors(mesh.GetCellData())[before:][: len(has_surface)]
     face_colors = of_cells[has_surface] if len(of_cells) else _NONE
-    return [Part(vertices, faces, _vtk_colors(mesh.GetPointData()), face_colors, no_color=_NO_COLOR_ARRAY)]
+    colors = _vtk_colors(mesh.GetPointData())
+    return [Part(vertices, [faces], colors, face_colors, no_color=_NO_COLOR_ARRAY, sizes=sizes)]
 
 
 def _vtk_colors(data: Any) -> np.ndarray:
@@ -156,26 +158,21 @@ def _vtk_colors(data: Any) -> np.ndarray:
     return _bytes_of(values) if values.dtype == np.uint8 and values.ndim == 2 and values.shape[1] in (3, 4) else _NONE
 
 
-def _runs(faces: np.ndarray) -> Tuple[List[np.ndarray], np.ndarray]:
-    """Splits VTK's list of faces, each its number of corners and then the corners, into arrays of faces of one size.
+def _polygons(listed: np.ndarray) -> Tuple[np.ndarray, Optional[np.ndarray], np.ndarray]:
+    """Returns the faces and sizes of a Part from VTK's list: for each face its number of corners, then the corners.
 
-    Also returns whether each face of the list is in an array: those of less than three corners are not.
+    Also returns whether each face of the list is among them: those of less than three corners are not.
     """
-    starts, at = [], 0
-    if len(faces) % 4 == 0 and (faces[::4] == 3).all():
-        return [faces.reshape(-1, 4)[:, 1:]], np.ones(len(faces) // 4, bool)
-    while at < len(faces):
+    if len(listed) % 4 == 0 and (listed[::4] == 3).all():
+        return listed.reshape(-1, 4)[:, 1:], None, np.ones(len(listed) // 4, bool)
+    numbers, starts, at = listed.tolist(), [], 0
+    while at < len(numbers):
         starts.append(at)
-        at += 1 + int(faces[at])
-    sizes = faces[starts]
-    first = [n for n in range(len(sizes)) if n == 0 or sizes[n] != sizes[n - 1]]
-    bounds = [starts[n] for n in first] + [len(faces)]
-    runs = [
-        faces[low:high].reshape(-1, 1 + sizes[n])[:, 1:]
-        for n, low, high in zip(first, bounds, bounds[1:])
-        if sizes[n] >= 3
-    ]
-    return runs, sizes >= 3
+        at += 1 + numbers[at]
+    sizes = listed[starts]
+    has_surface = sizes >= 3
+    corners = np.delete(listed, starts)
+    return corners[np.repeat(has_surface, sizes)], sizes[has_surface], has_surface
 
 
 def _bad(value: str, limit: str, text: str) -> InvalidArgument:
