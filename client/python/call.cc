@@ -59,9 +59,8 @@ Connection::Connection(const py::dict& keywords, const std::string& token, const
   });
   // The end of a private server takes a moment, in which Python goes on.
   session_.reset(new Session(*std::move(opened)), [process = DeleteInItsProcess()](const Session* session) {
-    PyThreadState* const state = PyEval_SaveThread();
+    const WithoutGil without_gil;
     process(session);
-    PyEval_RestoreThread(state);
   });
 }
 

@@ -69,6 +69,7 @@ void BindCalls(py::module_& module) {
 PYBIND11_MODULE(_latvox, module) {
   module.doc() = "The SDK and the options of the tool. Use the package latvox, which describes them.";
   LeaveOutExitHandlers();
+  py::module_::import("atexit").attr("register")(py::cpp_function(&EndWork));
   module.attr("version") = LATVOX_VERSION;
   module.def("keywords", &Keywords);
   module.def("set_program", &SetProgramPath, arg("path"));

@@ -1,13 +1,13 @@
 #include "client/python/work.h"
 
-#include <pybind11/pybind11.h>
-
 #include <atomic>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
 #include <new>
+#include <set>
+#include <thread>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -23,7 +23,36 @@ namespace py = pybind11;
 
 constexpr auto kGlance = std::chrono::milliseconds(50);
 
+// Guarded by the GIL.
+bool g_ends = false;    // EndWork was called
+int g_without_gil = 0;  // threads in WithoutGil
+
+// Guarded by the GIL.
+std::set<Work*>& AllWork() {
+  static auto& all = *new std::set<Work*>;
+  return all;
+}
+
 }  // namespace
+
+WithoutGil::WithoutGil() : state_(g_ends ? nullptr : (++g_without_gil, PyEval_SaveThread())) {}
+
+WithoutGil::~WithoutGil() {
+  if (state_ == nullptr) return;
+  PyEval_RestoreThread(state_);
+  --g_without_gil;
+}
+
+void EndWork() {
+  if (!CheckProcess().ok()) return;  // a fork lacks the threads that it counts
+  g_ends = true;
+  for (Work* const work : AllWork()) work->Cancel();
+  while (g_without_gil > 0) {
+    PyThreadState* const state = PyEval_SaveThread();
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    PyEval_RestoreThread(state);
+  }
+}
 
 absl::Status CheckProcess() {
   static std::atomic<pid_t> first = 0;
@@ -46,33 +75,35 @@ void LeaveOutExitHandlers() {
   if (on_exit(end, nullptr) != 0) throw std::bad_alloc();
 }
 
-Work::Work(std::function<absl::Status(Work&)> work)
-    : thread_([this, work = std::move(work)] {
-        absl::Status status;
-        try {
-          status = work(*this);
-          if (Vdb::State() == VdbState::kLoaded) {
-            [[maybe_unused]] static const bool once = (LeaveOutExitHandlers(), true);
-          }
-        } catch (const std::exception& error) {
-          status = StatusOf(error);
-        }
-        Change([&] {
-          status_ = std::move(status);
-          ended_ = true;
-        });
-      }) {}
+Work::Work(std::function<absl::Status(Work&)> work) {
+  if (g_ends) Check(absl::CancelledError("cancelled, because Python ends"));
+  thread_ = std::thread([this, work = std::move(work)] {
+    absl::Status status;
+    try {
+      status = work(*this);
+      if (Vdb::State() == VdbState::kLoaded) {
+        [[maybe_unused]] static const bool once = (LeaveOutExitHandlers(), true);
+      }
+    } catch (const std::exception& error) {
+      status = StatusOf(error);
+    }
+    Change([&] {
+      status_ = std::move(status);
+      ended_ = true;
+    });
+  });
+  AllWork().insert(this);
+}
 
 Work::~Work() {
   Cancel();
   Join();
+  AllWork().erase(this);
 }
 
 void Work::Join() {
-  // pybind11's own class for this may throw, and destructors come here.
-  PyThreadState* const state = PyEval_SaveThread();
+  const WithoutGil without_gil;
   if (thread_.joinable()) thread_.join();
-  PyEval_RestoreThread(state);
 }
 
 void Work::Cancel() {
@@ -96,7 +127,7 @@ absl::Status Work::AwaitReady(const std::function<bool()>& is_ready) {
 bool Work::Await(const std::function<bool()>& is_ready, const std::function<void()>& glance) {
   for (;;) {
     {
-      const py::gil_scoped_release release;
+      const WithoutGil without_gil;
       std::unique_lock lock(mutex_);
       if (changed_.wait_for(lock, kGlance, [&] { return ended_ || is_ready(); })) return ended_;
     }

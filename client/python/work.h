@@ -2,6 +2,7 @@
 #ifndef LATVOX_CLIENT_PYTHON_WORK_H_
 #define LATVOX_CLIENT_PYTHON_WORK_H_
 
+#include <pybind11/pybind11.h>
 #include <sys/types.h>
 #include <unistd.h>
 
@@ -36,11 +37,29 @@ struct DeleteInItsProcess {
 template <class T>
 using OfProcess = std::unique_ptr<T, DeleteInItsProcess>;
 
+// Releases the GIL while it lives. After EndWork it keeps the GIL: a thread that then takes it again ends in the middle
+// of destructors, and the process with it.
+class WithoutGil {
+ public:
+  WithoutGil();
+  ~WithoutGil();
+  WithoutGil(const WithoutGil&) = delete;
+  WithoutGil& operator=(const WithoutGil&) = delete;
+
+ private:
+  PyThreadState* const state_;  // null: the GIL is kept
+};
+
+// For the end of Python, when daemon threads still run: cancels all work, waits until no thread is in WithoutGil, and
+// lets no new work begin. Requires the GIL.
+void EndWork();
+
 // Work on a thread of its own, which never needs the GIL. The destructor cancels it and waits for its end.
 class Work {
  public:
+  // Throws CANCELLED after EndWork. Requires the GIL, as the destructor does.
   explicit Work(std::function<absl::Status(Work&)> work);
-  ~Work();  // releases the GIL meanwhile
+  ~Work();
   Work(const Work&) = delete;
   Work& operator=(const Work&) = delete;
 
