@@ -7,9 +7,11 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_replace.h"
+#include "absl/strings/strip.h"
 #include "client/tool/cli/common_options.h"
 #include "client/tool/cli/mesh_options.h"
 #include "client/tool/cli/request_rows.h"
+#include "latvox/error.h"
 
 namespace latvox::client::python {
 namespace {
@@ -128,6 +130,17 @@ std::vector<std::string> WordsOf(const py::dict& given, const std::vector<Keywor
   return words;
 }
 
+// Returns the error of a command's words. `positional` is the name of a word without an option, whose keyword this is.
+absl::Status Named(const UsageError& error, const std::string& positional, const std::string& keyword) {
+  const absl::Status status = ToStatus(error);
+  ErrorDetails details = GetErrorDetails(status);
+  if (details.field != positional) return status;
+  details.field = keyword;
+  absl::Status named(status.code(), absl::StrCat(keyword, absl::StripPrefix(status.message(), positional)));
+  SetErrorDetails(details, named);
+  return named;
+}
+
 }  // namespace
 
 py::dict Keywords() {
@@ -168,7 +181,7 @@ absl::StatusOr<ConvertOptions> ParseConvertKeywords(const py::dict& keywords, co
   command.Parse(std::move(line));
   return Interpret(words);
 } catch (const UsageError& error) {
-  return ToStatus(error);
+  return Named(error, "IN.vdb", "path");
 }
 
 absl::StatusOr<MergeWords> ParseMergeWords(const std::vector<std::string>& parts, const std::string& out) try {
@@ -182,7 +195,7 @@ absl::StatusOr<MergeWords> ParseMergeWords(const std::vector<std::string>& parts
   client::Check(words);
   return words;
 } catch (const UsageError& error) {
-  return ToStatus(error);
+  return Named(error, "PART.vdb", "parts");
 }
 
 std::string WithKeywords(const std::string& text) {

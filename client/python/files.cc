@@ -7,6 +7,7 @@
 #include "client/python/arguments.h"
 #include "client/python/status.h"
 #include "client/python/work.h"
+#include "client/tool/cli/common_options.h"
 #include "client/tool/cli/convert_command.h"
 #include "client/tool/cli/info_json.h"
 #include "client/tool/cli/merge_command.h"
@@ -18,6 +19,9 @@ namespace latvox::client::python {
 namespace py = pybind11;
 
 SharedVoxels OpenFile(const std::string& path) {
+  if (const std::string wrong = CheckIsHere(path); !wrong.empty()) {
+    Check(ToStatus(UsageError("path: " + wrong, {"path", path, ""})));
+  }
   const SharedVoxels voxels = std::make_shared<Voxels>();
   RunOnFiles([&](Work& work) {
     auto file = ReadVoxelFile(path, std::nullopt, work.cancellation());

@@ -13,6 +13,7 @@
 #include "client/tool/cli/shape_options.h"
 #include "client/tool/output/box_shape.h"
 #include "client/tool/output/field_columns.h"
+#include "client/tool/output/outputs.h"
 #include "latvox/dense.h"
 #include "latvox/for_each_voxel.h"
 
@@ -60,10 +61,13 @@ py::array Rows(const Voxels& voxels, const Visit& visit) {
   CheckPresent(voxels);
   py::array_t<T> rows({static_cast<py::ssize_t>(CountVoxels(voxels)), py::ssize_t{3}});
   T* next = rows.mutable_data();
-  const py::gil_scoped_release release;
-  for (const Brick& brick : voxels.all.bricks) {
-    ForEachVoxel(brick, [&](const Vec3i& ijk) { next = std::ranges::copy(visit(ijk), next).out; });
-  }
+  Run([&](Work& work) {
+    for (const Brick& brick : voxels.all.bricks) {
+      if (work.cancellation().cancelled()) return absl::CancelledError("cancelled");
+      ForEachVoxel(brick, [&](const Vec3i& ijk) { next = std::ranges::copy(visit(ijk), next).out; });
+    }
+    return absl::OkStatus();
+  });
   return rows;
 }
 
@@ -163,13 +167,14 @@ py::tuple Dense(const Voxels& voxels, const std::optional<IndexBox>& box, const 
   CheckPresent(voxels);
   std::span<const FieldValues> wanted;
   if (!field.empty()) wanted = {&Find(voxels.all.fields, field), 1};
-  absl::StatusOr<DenseVoxels> made;
-  {
-    const py::gil_scoped_release release;
-    const absl::StatusOr<IndexBox> whole = box ? *box : BoxOf(voxels);
-    made = whole.ok() ? ToDense(BrickBatch{.bricks = voxels.all.bricks, .fields = wanted}, *whole) : whole.status();
-  }
-  DenseVoxels dense = Checked(std::move(made));
+  const IndexBox whole = box ? *box : Checked(BoxOf(voxels));
+  DenseVoxels dense;
+  Run([&](Work& work) {
+    const BrickBatch all{.bricks = voxels.all.bricks, .fields = wanted};
+    auto made = ToDense(all, whole, kMostDensePoints, work.cancellation());
+    if (made.ok()) dense = *std::move(made);
+    return made.status();
+  });
   std::vector<py::ssize_t> shape(dense.shape.begin(), dense.shape.end());
   const py::tuple low = py::make_tuple(dense.box.min[0], dense.box.min[1], dense.box.min[2]);
   if (field.empty()) {
@@ -193,8 +198,9 @@ absl::Status Write(const Voxels& voxels, const VoxelizeOptions& options, const C
   if (!output.ok()) return output.status();
   (*output)->SetNames(voxels.names);
   if (absl::Status status = (*output)->Begin(voxels.all.accepted); !status.ok()) return (*files)->Named(status);
-  const BrickBatch batch{voxels.all.bricks, 1, voxels.all.fields};
-  if (absl::Status status = (*output)->Add(batch); !status.ok()) return (*files)->Named(status);
+  const auto add = [&](const BrickBatch& batch) { return (*output)->Add(batch); };
+  const BrickBatch all{voxels.all.bricks, 1, voxels.all.fields};
+  if (absl::Status status = AddInPieces(all, cancellation, add); !status.ok()) return (*files)->Named(status);
   warnings = (*output)->Warnings();
   if (absl::Status status = (*output)->Finish(voxels.all.summary); !status.ok()) return (*files)->Named(status);
   return cancellation.cancelled() ? absl::CancelledError("cancelled") : (*output)->Commit();

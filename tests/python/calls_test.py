@@ -233,10 +233,30 @@ def test_the_number_of_jobs_is_checked_and_bounds_the_calls(server):
         answers.close()
 
 
+def test_one_path_is_no_list_of_meshes(server):
+    for paths in ("bunny.obj", BUNNY):
+        for call in (latvox.voxelize_many, server.voxelize_many):
+            with pytest.raises(TypeError, match="meshes: .*bunny.obj.* is one path; pass a list"):
+                call(paths)
+
+
+def test_a_client_has_one_address():
+    with pytest.raises(TypeError, match="address: 'a:1' and server: 'b:2' exclude each other"):
+        latvox.Client("a:1", server="b:2")
+
+
+def test_an_open_mesh_of_arrays_is_named_once(server):
+    with pytest.raises(latvox.InvalidArgument, match="^mesh: it is not closed"):
+        server.voxelize((MESH[0], MESH[1][:-1]), resolution=9, set="solid")
+
+
 def test_progress_grows_and_an_error_in_it_ends_the_call():
     shares = []
     latvox.voxelize(BUNNY, resolution=2500, progress=shares.append)
-    assert shares and shares == sorted(shares) and 0 <= shares[0] and shares[-1] <= 1
+    assert shares == sorted(shares) and 0 <= shares[0] and shares[-1] == 1
+    short = []
+    latvox.voxelize(MESH, resolution=9, progress=short.append)
+    assert short[-1] == 1
 
     def fail(share):
         raise LookupError(share)
@@ -346,6 +366,59 @@ def test_an_interrupt_cancels_the_call(run, call):
     assert time.monotonic() - start < 3
     assert process.communicate(timeout=30) == ("True\n", "")
     assert process.returncode == 0
+
+
+WRITING = """
+import latvox, os
+v = latvox.voxelize(os.environ["BUNNY"], resolution={resolution}, fields="distance")
+v.save("full{extension}")
+os.mkdir("out")
+print(os.stat("full{extension}").st_size, flush=True)
+try:
+    v.save("out/o{extension}")
+except KeyboardInterrupt:
+    print(os.listdir("out"), len(v.ijk) > 0, flush=True)
+"""
+
+
+@pytest.mark.parametrize(("extension", "resolution"), [(".npz", 600), (".cells.vtu", 200)])
+def test_an_interrupt_ends_the_writing_of_a_file(run, extension, resolution):
+    """It comes when an eighth is written, and what follows is less than the rest."""
+    process = run(WRITING.format(extension=extension, resolution=resolution))
+    size, before = int(process.stdout.readline()), harness.bytes_written(process.pid)
+    harness.await_true("an eighth is written", lambda: harness.bytes_written(process.pid) > before + size / 8)
+    process.send_signal(signal.SIGINT)
+    assert process.stdout.readline() == "[] True\n"
+    assert harness.bytes_written(process.pid) < before + size * 3 / 4
+    assert process.communicate(timeout=60) == ("", "") and process.returncode == 0
+
+
+DAEMON = """
+import latvox, os, threading, time
+begin = threading.Event()
+
+def work():
+    for share in ({call}):
+        pass
+
+threading.Thread(target=work, daemon=True).start()
+begin.wait(30)
+"""
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        "[latvox.voxelize(os.environ['BUNNY'], resolution=6000, verify=True, progress=lambda _: begin.set())]",
+        "(begin.set() for _ in latvox.stream(os.environ['BUNNY'], resolution=6000, verify=True))",
+        "(begin.set() or latvox.voxelize(os.environ['BUNNY'], resolution=9) for _ in iter(int, 1))",
+    ],
+)
+def test_a_program_ends_in_spite_of_daemon_threads(run, call):
+    process = run(DAEMON.format(call=call))
+    _, error = process.communicate(timeout=60)
+    assert process.returncode == 0, error
+    assert "terminate" not in error
 
 
 def test_a_killed_process_leaves_no_server(run):

@@ -1,6 +1,7 @@
 """Files of voxels: reading, converting and joining them, as the tool does."""
 
 import inspect
+import pathlib
 import re
 
 import latvox
@@ -128,6 +129,24 @@ def test_convert_writes_all_files_or_none(answers, tmp_path):
         latvox.convert(tmp_path / "missing.vdb", tmp_path / "b.csv")
     with pytest.raises(TypeError):
         latvox.convert(tmp_path / "v.vdb", tmp_path / "b.csv", resolution=5)
+
+
+def test_files_of_other_machines_are_refused_by_the_name_of_the_argument(tmp_path):
+    url = "https://other.example/v.vdb"
+    for call, field in (
+        (lambda: latvox.open(url), "path"),
+        (lambda: latvox.convert(url, tmp_path / "v.csv"), "path"),
+        (lambda: latvox.merge([url], tmp_path / "v.vdb"), "parts"),
+    ):
+        with pytest.raises(latvox.InvalidArgument, match=f'^{field}: "{url}" is a URL; download it') as caught:
+            call()
+        assert (caught.value.field, caught.value.value) == (field, url)
+
+
+def test_parts_are_a_list():
+    for one in ("part.vdb", pathlib.Path("part.vdb")):
+        with pytest.raises(TypeError, match="parts: .*part.vdb.* is one path; pass a list"):
+            latvox.merge(one, "whole.vdb")
 
 
 def test_a_name_like_an_option_is_a_path(answers, tmp_path, monkeypatch):

@@ -194,7 +194,7 @@ def test_array_selects_the_fields_of_files_of_one_array(tool, tmp_path, server):
         with pytest.raises(latvox.InvalidArgument, match=text):
             v.save(tmp_path / out, array=array)
     for empty in ([], "", np.array([])):
-        with pytest.raises(ValueError, match="array: is empty"):
+        with pytest.raises(latvox.InvalidArgument, match="array: is empty"):
             v.save(tmp_path / "a.nrrd", array=empty)
 
 

@@ -114,6 +114,11 @@ def test_dense_of_a_box():
         v.dense(box=((0, 0, 0), (2**12, 2**12, 2**12)))
     with pytest.raises(KeyError):
         v.dense("part")
+    for wrong in (((0, 0), (1, 1, 1)), ((0.5, 0, 0), (1, 1, 1)), ((0, 0, 0), (1, 1, 2**31)), ((0, 0, 0),), 5):
+        with pytest.raises(latvox.InvalidArgument, match=r"^box: .* is not \(low, high\), two lattice points") as caught:
+            v.dense(box=wrong)
+        assert (caught.value.field, caught.value.value) == ("box", repr(wrong))
+    assert v.dense(box=np.array([[0, 0, 0], [1, 2, 3]])).data.shape == (1, 2, 3)
 
 
 def test_dense_of_a_field_takes_memory_for_that_field_alone(run):
@@ -204,9 +209,23 @@ def test_save_of_fields_replaces_and_refuses(bunny, tmp_path):
         bunny.save(tmp_path / "a.vox")
     with pytest.raises(latvox.FailedPrecondition, match="missing"):
         bunny.save(tmp_path / "missing" / "a.vdb")
-    with pytest.raises(ValueError, match="npy"):
+    with pytest.raises(latvox.InvalidArgument, match='npy: "sparse" is not one of coordinates, dense') as caught:
         bunny.save(tmp_path / "a.npy", npy="sparse")
+    assert (caught.value.field, caught.value.value, caught.value.limit) == ("npy", "sparse", "coordinates, dense")
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a.csv"]
+
+
+def test_files_that_are_too_small_for_the_voxels(server, tmp_path):
+    """The error names what is wrong, the limit, and formats that can hold them."""
+    for call, limit, formats in (
+        ({"resolution": 9, "pad": 2100, "out": tmp_path / "a.binvox"}, "4096", ".vdb, .h5 and .vtu hold any number"),
+        ({"resolution": 9, "pad": 900, "out": tmp_path / "a.npz"}, "4294967296 bytes", "or a .npy or .h5"),
+    ):
+        with pytest.raises(latvox.ResourceExhausted, match=formats) as caught:
+            server.voxelize(MESH, **call)
+        assert (caught.value.reason, caught.value.field, caught.value.limit) == ("LIMIT_EXCEEDED", "out", limit)
+        assert caught.value.value in str(caught.value)
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_files_that_merge_parts_warn(tmp_path):

@@ -11,10 +11,23 @@ import pathlib
 import sys
 import textwrap
 import threading
-from typing import TYPE_CHECKING, Any, Callable, Dict, Iterable, Iterator, List, Mapping, Optional, TextIO, Union
+from typing import (
+    TYPE_CHECKING,
+    Any,
+    Callable,
+    Dict,
+    Iterable,
+    Iterator,
+    List,
+    Mapping,
+    Optional,
+    SupportsIndex,
+    TextIO,
+    Union,
+)
 
 from . import _latvox
-from ._errors import InvalidArgument, Unavailable
+from ._errors import InvalidArgument, Unavailable, refuse_path
 from ._meshes import source_of
 from ._voxels import Bricks, Voxels
 
@@ -64,6 +77,8 @@ def _end(client: Client, call: _latvox.Call, progress: Optional[Progress], depth
     finally:
         if shown is not None:
             shown.end()
+    if progress and progress is not True:
+        progress(1.0)
     voxels.warn(depth + 2)
     return voxels
 
@@ -150,6 +165,8 @@ class Client:
         self, address: Optional[str] = None, *, token: Optional[str] = None, **options: Unpack[ClientOptions]
     ) -> None:
         """Connects, or starts a private server."""
+        if address is not None and options.get("server") is not None:
+            raise TypeError(f"address: {address!r} and server: {options['server']!r} exclude each other; pass one")
         _refuse_unknown(options, "connection", "call")
         self._options: Dict[str, Any] = {**options} if address is None else {**options, "server": address}
         self._connection = _latvox.Connection(self._options, token or "", _server())
@@ -165,9 +182,10 @@ class Client:
         return Stream(self, _begin(self, mesh, options, streams=True))
 
     def voxelize_many(
-        self, meshes: Iterable[Any], *, jobs: Optional[int] = None, **options: Unpack[ClientCallOptions]
+        self, meshes: Iterable[Any], *, jobs: Optional[SupportsIndex] = None, **options: Unpack[ClientCallOptions]
     ) -> Iterator[Voxels]:
         """Voxelizes meshes, several at once. See latvox.voxelize_many."""
+        refuse_path("meshes", meshes)
         return _many(self, meshes, _most(jobs), options)
 
     def close(self) -> None:
@@ -183,7 +201,7 @@ class Client:
         self.close()
 
 
-def _most(jobs: Optional[int]) -> int:
+def _most(jobs: Optional[SupportsIndex]) -> int:
     """Returns the most calls at once that `jobs` means."""
     if jobs is None:
         return len(os.sched_getaffinity(0))
@@ -254,8 +272,8 @@ def voxelize(mesh: Any, *, progress: Optional[Progress] = None, **options: Unpac
 
     mesh: a path. Or (vertices, faces), arrays of (n, 3) numbers and (m, 3) integers. Or a mesh of trimesh, meshio, VTK,
         PyVista or Open3D. Or a list of paths, or of other meshes: each is a part of one mesh, or several.
-    progress: called with the share of the work that is done, 0 to 1. True: shows it on standard error, in a line that
-        changes on a terminal, otherwise in a line for each tenth.
+    progress: called with the share of the work that is done, from 0 to 1, which is the end. True: shows it on standard
+        error, in a line that changes on a terminal, otherwise in a line for each tenth.
     options: those of the tool's command voxelize, with _ in place of -; listed below. Lists are sequences, flags are
         True or False.
 
@@ -279,7 +297,7 @@ def stream(mesh: Any, **options: Unpack[AllOptions]) -> Stream:
 
 
 def voxelize_many(
-    meshes: Iterable[Any], *, jobs: Optional[int] = None, **options: Unpack[AllOptions]
+    meshes: Iterable[Any], *, jobs: Optional[SupportsIndex] = None, **options: Unpack[AllOptions]
 ) -> Iterator[Voxels]:
     """Voxelizes meshes, several at once, and yields their voxels in the order of the meshes.
 
@@ -289,6 +307,7 @@ def voxelize_many(
 
     The first error ends it, and cancels the calls that run.
     """
+    refuse_path("meshes", meshes)
     most = _most(jobs)
     client, others = _choose(options)
     return _many(client, meshes, most, others)

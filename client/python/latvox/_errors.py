@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import warnings
 from typing import Any, List, Optional, Tuple
 
@@ -99,6 +100,12 @@ def warn(found: List[Tuple[str, str, str]], depth: int) -> None:
     """Shows warnings of the module _latvox, at the caller of `depth` functions."""
     for message, code, element in found:
         warnings.warn(VoxelizeWarning(message, code, element), stacklevel=depth + 1)
+
+
+def refuse_path(name: str, given: Any) -> None:
+    """Throws TypeError if one path is given in place of a list: a text would be a list of letters."""
+    if isinstance(given, (str, bytes, os.PathLike)):
+        raise TypeError(f"{name}: {given!r} is one path; pass a list")
 
 
 _BY_CODE = {kind.code: kind for kind in Error.__subclasses__()}

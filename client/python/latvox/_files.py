@@ -9,7 +9,7 @@ from typing import Any, Dict, Iterable, List, Literal, Optional, Sequence, Union
 import numpy as np
 
 from . import _latvox
-from ._errors import InvalidArgument, warn
+from ._errors import InvalidArgument, refuse_path, warn
 from ._voxels import Grid
 
 _Path = Union[str, "os.PathLike[str]"]
@@ -39,7 +39,7 @@ def convert(
     npy: Optional[Literal["coordinates", "dense"]] = None,
     array: Union[None, str, Sequence[str]] = None,
     dims: Union[None, str, Sequence[int], np.ndarray] = None,
-    pad: Optional[int] = None,
+    pad: Union[None, int, np.integer[Any]] = None,
 ) -> None:
     """Writes the voxels of a .vdb or .nvdb file in other formats, as the tool's command convert does.
 
@@ -62,6 +62,7 @@ def merge(parts: Iterable[_Path], out: _Path) -> Dict[str, Any]:
     Returns the object that `latvox merge --json` prints. The process may then open as many files as its hard limit
     allows, because all parts are open at once. Errors: InvalidArgument, if the parts do not belong together.
     """
+    refuse_path("parts", parts)
     paths: List[str] = [_word(part) for part in parts]
     if not paths:
         raise InvalidArgument("parts names no file; merge needs at least 1", field="parts", value="[]", limit="1")

@@ -4,20 +4,35 @@ from __future__ import annotations
 
 import functools
 import json
+import operator
 import os
 import pathlib
 import tempfile
 import warnings as python_warnings
-from typing import TYPE_CHECKING, Any, Dict, List, NamedTuple, NoReturn, Optional, Sequence, Tuple, Union
+from typing import TYPE_CHECKING, Any, Dict, List, NamedTuple, NoReturn, Optional, Sequence, SupportsIndex, Tuple, Union
 
 import numpy as np
 
 from . import _latvox
-from ._errors import VoxelizeWarning, warn
+from ._errors import InvalidArgument, VoxelizeWarning, warn
 
 _NOTES = ("EMPTY_SHARD",)  # warnings of a shard that is as it should be
 
+_Point = Union[Sequence[SupportsIndex], np.ndarray]
+
 _ARRAYS = "take ijk, points, dense() or the values of a field, such as v['distance']"
+
+
+def _corners(box: Any) -> Tuple[Tuple[int, ...], Tuple[int, ...]]:
+    """Returns the corners of a box, (low, high)."""
+    try:
+        low, high = (tuple(operator.index(x) for x in corner) for corner in box)
+        if len(low) == len(high) == 3 and all(-(2**31) <= x < 2**31 for x in (*low, *high)):
+            return low, high
+    except (TypeError, ValueError):
+        pass
+    limit = "(low, high), two lattice points of three whole numbers of 32 bits"
+    raise InvalidArgument(f"box: {box!r} is not {limit}", reason="BAD_BOX", field="box", value=repr(box), limit=limit)
 
 
 class Dense(NamedTuple):
@@ -74,6 +89,8 @@ class Bricks:
         float32. fraction: uint16; label_fractions: (n, len(fraction_labels)) uint16. links: (n, len(neighbors))
         float32; link_triangles, link_crossings: (n, len(neighbors)) int32. Links that the mesh does not cross have NaN,
         -1 and 0.
+
+        Errors: KeyError for a field that the voxels do not carry.
         """
         if not isinstance(field, str):
             raise TypeError(f"{field!r} is no name of a field; {_ARRAYS}")
@@ -158,7 +175,7 @@ class Grid(Bricks):
         return None if box is None else (np.array(box[0], np.int32), np.array(box[1], np.int32))
 
     def dense(
-        self, field: Optional[str] = None, box: Optional[Tuple[Sequence[int], Sequence[int]]] = None
+        self, field: Optional[str] = None, box: Optional[Tuple[_Point, _Point]] = None
     ) -> Dense:
         """Returns an array with an element for each lattice point.
 
@@ -166,11 +183,11 @@ class Grid(Bricks):
             is -1, and others are 0. None: True for voxels.
         box: (low, high), two lattice points: low <= ijk < high. None: index_box, with the call's dims and pad.
 
-        Errors: InvalidArgument if the voxels do not fit into dims; ResourceExhausted for more than 2**30 points.
+        Errors: KeyError for a field that the voxels do not carry; InvalidArgument for a box that is none, or if the
+        voxels do not fit into dims; ResourceExhausted for more than 2**30 points.
         Memory: a byte for each point, and the bytes of the field.
         """
-        corners = None if box is None else tuple(tuple(int(x) for x in corner) for corner in box)
-        data, low = self._voxels.dense(corners, field or "")
+        data, low = self._voxels.dense(None if box is None else _corners(box), field or "")
         affine = self.affine
         affine[:3, 3] += self.basis.T @ np.array(low)
         return Dense(data, low, affine)
@@ -194,12 +211,14 @@ class Grid(Bricks):
         Warnings: latvox.VoxelizeWarning, if the file lacks something although its format holds the fields.
         """
         if npy not in ("coordinates", "dense"):
-            raise ValueError(f'npy: "{npy}" is not one of coordinates, dense')
+            limit = "coordinates, dense"
+            text = f'npy: "{npy}" is not one of {limit}'
+            raise InvalidArgument(text, reason="BAD_SPEC", field="npy", value=str(npy), limit=limit)
         fields = ""
         if array is not None:
             fields = array if isinstance(array, str) else ",".join(array)
             if not fields:
-                raise ValueError('array: is empty; "none" selects no field')
+                raise InvalidArgument('array: is empty; "none" selects no field', reason="BAD_SPEC", field="array")
         warn(self._voxels.save(os.fspath(path), npy == "dense", fields, allow_http), 2)
 
     def _repr_png_(self) -> bytes:
