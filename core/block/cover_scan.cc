@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/digitize/cell_box.h"
 #include "core/supercover/box_cells.h"
 #include "core/supercover/near_cells.h"
 

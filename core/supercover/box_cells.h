@@ -20,30 +20,14 @@
 #ifndef LATVOX_CORE_SUPERCOVER_BOX_CELLS_H_
 #define LATVOX_CORE_SUPERCOVER_BOX_CELLS_H_
 
-#include <algorithm>
-#include <cstddef>
 #include <cstdint>
 #include <vector>
 
-#include "core/brick/brick.h"
 #include "core/digitize/crossing.h"
 #include "core/tile/tile_bits.h"
 #include "core/tile/voxel_triangle.h"
 
 namespace latvox {
-
-// Returns the voxels whose cells meet the triangle's bounding box.
-inline IndexBox BoxOfCells(const Triangle& triangle) {
-  constexpr int32_t kHalf = kLatticeUnit / 2;
-  const auto& [a, b, c] = triangle;
-  IndexBox box;
-  for (size_t m = 0; m < 3; ++m) {
-    const int32_t low = std::min(a[m], std::min(b[m], c[m])), high = std::max(a[m], std::max(b[m], c[m]));
-    box.min[m] = (low + kHalf - 1) >> kSubvoxelBits;
-    box.max[m] = ((high + kHalf) >> kSubvoxelBits) + 1;
-  }
-  return box;
-}
 
 // Returns whether the scan for k = 0 finds all voxels whose cells meet the triangle. False for one without area.
 bool ScanFindsCover(const Triangle& triangle);

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/supercover/box_cells.h"
+#include "core/digitize/cell_box.h"
 #include "core/tiny/line_forms.h"
 #include "core/tiny/sift.h"
 #include "core/tiny/tiny_cover.h"

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "core/digitize/cell_box.h"
 #include "core/lattice/integer_cell.h"
-#include "core/supercover/box_cells.h"
 #include "core/supercover/supercover.h"
 #include "core/tile/tile_links.h"
 #include "core/tiny/tiny.h"
