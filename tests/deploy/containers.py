@@ -50,6 +50,14 @@ runroot = "{state}/run"
 
 def require(*programs):
     require_programs("deploy", "podman", "buildah", "runc", "mmdebstrap", "ip", "nsenter", *programs)
+    configure()
+    done = subprocess.run(["podman", "info"], capture_output=True, text=True)
+    if done.returncode != 0:
+        skip(f"podman does not run here: {done.stderr.strip()}")
+
+
+def configure():
+    """Gives podman and buildah a place of their own."""
     for name, text in {"containers.conf": ENGINE, "storage.conf": STORAGE}.items():
         STATE.joinpath("work").mkdir(parents=True, exist_ok=True)
         STATE.joinpath(name).write_text(text.format(state=STATE, files=resource.getrlimit(resource.RLIMIT_NOFILE)[1]))
@@ -58,9 +66,6 @@ def require(*programs):
     os.environ["TMPDIR"] = str(STATE / "work")  # buildah's caches
     os.environ["DISABLE_HC_SYSTEMD"] = "true"  # no timers: the tests check a container's health themselves
     os.environ.pop("XDG_RUNTIME_DIR", None)
-    done = subprocess.run(["podman", "info"], capture_output=True, text=True)
-    if done.returncode != 0:
-        skip(f"podman does not run here: {done.stderr.strip()}")
 
 
 def podman(*arguments, **options):
