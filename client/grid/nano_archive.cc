@@ -35,7 +35,8 @@ void AddNode(const Node& node, Tree& tree) {
     for (auto tile = node.beginValueOn(); tile; ++tile) {  // whose getOrigin() some versions do not compile
       tree.addTile(Node::LEVEL, ToOpen(node.offsetToGlobalCoord(tile.pos())), ToOpen(*tile), /*active=*/true);
     }
-    for (auto child = node.beginChild(); child; ++child) AddNode(*child, tree);
+    const auto& data = *node.data();  // for which node.beginChild() is const in some versions only
+    for (auto child = data.mChildMask.beginOn(); child; ++child) AddNode(*data.getChild(*child), tree);
   }
 }
 
@@ -88,7 +89,8 @@ class NanoArchive final : public GridArchive {
                                             ", neither a bool, a float, an int32 nor a Vec3f"));
     }
     const auto metadata = NanoMetadata(data, [&handle](uint64_t at, void* to, uint64_t bytes) {
-      if (at > handle.size() || bytes > handle.size() - at) return false;
+      const uint64_t size = handle.buffer().bufferSize();
+      if (at > size || bytes > size - at) return false;
       std::memcpy(to, reinterpret_cast<const char*>(handle.data()) + at, bytes);
       return true;
     });

@@ -67,14 +67,16 @@ nanovdb::GridHandle<> Converted(const openvdb::GridBase& grid) {
 nanovdb::GridHandle<> WithText(const nanovdb::GridHandle<>& plain, const std::string& text) {
   constexpr uint64_t kAlignment = NANOVDB_DATA_ALIGNMENT;
   const uint64_t bytes = (text.size() / kAlignment + 1) * kAlignment;  // at least one 0 ends the text
-  const uint64_t size = plain.size() + sizeof(nanovdb::GridBlindMetaData) + bytes;
+  const uint64_t plain_size = plain.buffer().bufferSize();
+  const uint64_t size = plain_size + sizeof(nanovdb::GridBlindMetaData) + bytes;
   auto buffer = nanovdb::HostBuffer::create(size);
-  std::memcpy(buffer.data(), plain.data(), plain.size());
-  std::memset(buffer.data() + plain.size(), 0, size - plain.size());
-  auto* const blind = reinterpret_cast<nanovdb::GridBlindMetaData*>(buffer.data() + plain.size());
-  auto* const data = reinterpret_cast<nanovdb::GridData*>(buffer.data());
+  char* const begin = reinterpret_cast<char*>(buffer.data());
+  std::memcpy(begin, plain.data(), plain_size);
+  std::memset(begin + plain_size, 0, size - plain_size);
+  auto* const blind = reinterpret_cast<nanovdb::GridBlindMetaData*>(begin + plain_size);
+  auto* const data = reinterpret_cast<nanovdb::GridData*>(begin);
   data->mGridSize = size;
-  data->mBlindMetadataOffset = static_cast<int64_t>(plain.size());
+  data->mBlindMetadataOffset = static_cast<int64_t>(plain_size);
   data->mBlindMetadataCount = 1;
   blind->setBlindData(blind + 1);
   SetBlindBytes(*blind, text.size());
@@ -82,7 +84,7 @@ nanovdb::GridHandle<> WithText(const nanovdb::GridHandle<>& plain, const std::st
   blind->mDataClass = nanovdb::GridBlindDataClass::Unknown;
   blind->mDataType = nanovdb::GridType::Unknown;
   std::memcpy(blind->mName, kNanoBlindName, sizeof(kNanoBlindName));
-  std::memcpy(blind + 1, text.data(), text.size());
+  std::memcpy(begin + plain_size + sizeof(*blind), text.data(), text.size());
   nanovdb::GridHandle<> handle(std::move(buffer));
   UpdateChecksum(handle);
   return handle;
