@@ -8,7 +8,7 @@
 #include "absl/strings/str_join.h"
 #include "core/brick/tile_order.h"
 #include "core/voxelizer/estimate.h"
-#include "core/voxelizer/world_box.h"
+#include "core/voxelizer/walk_estimate.h"
 #include "server/base/errors.h"
 #include "server/base/exceptions.h"
 #include "server/base/milliseconds.h"

@@ -94,15 +94,15 @@ struct Case {
 };
 
 std::vector<Case> Cases() {
-  return {{"a small triangle", Triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0.5F}), 300},
-          {"a large triangle", Triangle({0, 0, 0}, {900, 40, 30}, {-70, 850, 500}), 40},
-          {"a needle", Triangle({0, 0, 0}, {1700, 1600, 1500}, {1700, 1600, 1501}), 60},
-          {"dust", Dust(40, 1500), 100},
-          {"a sphere", Sphere(60, 200), 20}};
+  return {{"a small triangle", Triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0.5F}), 260},
+          {"a large triangle", Triangle({0, 0, 0}, {500, 40, 30}, {-70, 450, 300}), 40},
+          {"a needle", Triangle({0, 0, 0}, {900, 800, 700}, {900, 800, 701}), 40},
+          {"dust", Dust(20, 1500), 60},
+          {"a sphere", Sphere(60, 100), 10}};
 }
 
 TEST(WallTiles, AreNoMoreThanTheBound) {
-  for (const NamedLattice name : {NamedLattice::kCartesian, NamedLattice::kBcc, NamedLattice::kFcc}) {
+  for (const NamedLattice name : {NamedLattice::kCartesian, NamedLattice::kBcc}) {
     const Grid grid = Unscaled(Lattice::Named(name));
     for (const auto& [of, mesh, close] : Cases()) {
       SCOPED_TRACE(of);
@@ -118,14 +118,14 @@ TEST(WallTiles, AreNoMoreThanTheBound) {
 TEST(WallTiles, CountForEachLabel) {
   const Grid grid = Unscaled(Lattice::Named(NamedLattice::kCartesian));
   TriangleMesh mesh;
-  for (uint32_t label = 0; label < 12; ++label) {
+  for (uint32_t label = 0; label < 6; ++label) {
     const float at = static_cast<float>(label);
     Append(Triangle({at, 2 * at, 0}, {1, 0, 0}, {0, 1, 0.5F}), mesh);
     mesh.attributes.insert(mesh.attributes.end(), 3, label);
   }
-  const VoxelizeOptions options{.set = Enclosed{.close = 200, .labels = Field::kPart}, .fields = {Field::kPart}};
+  const VoxelizeOptions options{.set = Enclosed{.close = 140, .labels = Field::kPart}, .fields = {Field::kPart}};
   const auto [bytes, bound] = Measure(mesh, grid, options);
-  EXPECT_GT(bytes, 12 * 20 * kBytesPerTile);
+  EXPECT_GT(bytes, 6 * 20 * kBytesPerTile);
   EXPECT_LE(bytes, bound);
   EXPECT_LE(bound, 4 * bytes);
 }
@@ -151,7 +151,7 @@ TEST(WalkPoints, HoldWhatCloseKeepsTheWalkOutOf) {
       const auto points = static_cast<double>(job->facts().walk->leak->box_points);
       const double most = MostWalkPoints(ExtentOf(mesh), grid, MakeRequest(options).value());
       EXPECT_LE(points, most);
-      EXPECT_LE(most, 40 * points);
+      EXPECT_LE(most, 80 * points);  // room for steps and blocks, around few points
     }
   }
 }

@@ -168,7 +168,7 @@ TEST_P(WalkOnLattice, ClosesHoles) {
   const Points surface = SurfaceOf(mesh, lattice, k, true, shift);
   const Flood::Marks walls = flood.MarksOf(surface);
   size_t inner = 0;
-  for (const double close : {1.237 * shortest, 4.119 * shortest}) {
+  for (const double close : {1.237 * shortest, 3.103 * shortest, 4.119 * shortest}) {
     const Points near = VoxelsOf(Voxelize(mesh, Unscaled(lattice), {.set = Band{close / 2, false}}), shift);
     Flood::Marks thick = walls;
     for (const Int3& z : near) thick[flood.NumberOf(z)] = 1;
@@ -194,6 +194,16 @@ TEST_P(WalkOnLattice, ClosesHoles) {
     }
   }
   EXPECT_GT(inner, 0U);
+}
+
+// The walk keeps out of 70 million points around one triangle, and grows back to its surface.
+TEST(Walk, MayCloseHolesOf512Voxels) {
+  if (kSlowed) GTEST_SKIP() << "takes a hundred million distances";
+  const TriangleMesh mesh = ToWorld({{Int3{0, 0, 0}, Int3{256, 0, 0}, Int3{0, 256, 128}}}, Cartesian());
+  const Points surface = VoxelsOf(Voxelize(mesh, Unscaled(Cartesian()), {}));
+  const Points closed = VoxelsOf(Voxelize(mesh, Unscaled(Cartesian()), {.set = Enclosed{.close = 512}}));
+  EXPECT_TRUE(std::ranges::includes(closed, surface));
+  EXPECT_LE(closed.size(), surface.size() + 8);  // points that lie beside it, and are reached by a longer way
 }
 
 // So fine a mesh has tiny triangles, whose links are found at once, and others. Distances need all of them.
