@@ -42,6 +42,7 @@ MESHES = ((BUNNY, (40, 128, 256, 512, 1024)), (HORSE, (128, 512)), ("box", (64, 
 JOBS = [
     *(f"{mesh} {side} {lattice}" for mesh, sides in MESHES for side, lattice in itertools.product(sides, LATTICES)),
     *(f"{BUNNY} 256 {options}" for options in ("--no-minimal", "--set solid", "--set supercover")),
+    *(f"{BUNNY} 128 {options}" for options in ("--set enclosed", "--set links", "--fields triangle,normal")),
 ]
 ONCE = "--warmups 0 --reps 1 --threads 1 --json"
 RESULT = re.compile(r'^\{"(?:voxels|error)".*\}', re.MULTILINE)
