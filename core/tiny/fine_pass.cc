@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <memory>
-#include <vector>
 
 #include "core/base/simd.h"
 #include "core/tiny/line_forms.h"
@@ -81,19 +80,7 @@ FineTriangles SortOut(const SnappedMesh& mesh, StopSignal stop, TileLinks& links
   return fine;
 }
 
-// Whether the voxels of all tiny triangles can be packed, and some may be tiny.
-bool CanFindTiny(const SnappedMesh& mesh, const TileLinks& links) {
-  if (SimdIsScalar() || TileCubeLevel(mesh.box) > kPackedTileBits) return false;
-  // The box consists of voxels with a half-link to the mesh, so it may begin one voxel above it.
-  const Vec3i extent = mesh.box.max - TinyCrossings::Origin(links);
-  return std::max({extent[0], extent[1], extent[2]}) < CornerList::kVoxels;
-}
-
-void KeepAll(const CornerList& list, std::vector<uint32_t>& kept) {
-  kept.insert(kept.end(), list.triangles, list.triangles + list.size);
-}
-
-// Finds the links of tiny triangles.
+// Leaves out triangles that no line can meet, and finds the links of tiny ones.
 struct FindLinks {
   const LineForms& forms;
   bool few_touch;
@@ -103,20 +90,29 @@ struct FindLinks {
   void operator()(CornerList& list, std::vector<uint32_t>& kept) {
     if (marks != nullptr) std::fill_n(marks + list.triangles[0], list.size, 1);  // also if no line can meet them
     if (few_touch) KeepTouching(forms, list);
-    tiny ? tiny->Find(list, kept, marks) : KeepAll(list, kept);
+    if (tiny) {
+      tiny->Find(list, kept, marks);
+    } else {
+      kept.insert(kept.end(), list.triangles, list.triangles + list.size);
+    }
   }
 };
 
 // Finds the cells of tiny triangles.
 struct FindCover {
-  std::unique_ptr<TinyCover> tiny;  // null: no triangle counts as tiny
+  TinyCover tiny;
 
-  void operator()(const CornerList& list, std::vector<uint32_t>& kept) {
-    tiny ? tiny->Find(list, kept) : KeepAll(list, kept);
-  }
+  void operator()(const CornerList& list, std::vector<uint32_t>& kept) { tiny.Find(list, kept); }
 };
 
 }  // namespace
+
+bool CanFindTiny(const SnappedMesh& mesh, const TileLinks& links) {
+  if (SimdIsScalar() || TileCubeLevel(mesh.box) > kPackedTileBits) return false;
+  // The box consists of voxels with a half-link to the mesh, so it may begin one voxel above it.
+  const Vec3i extent = mesh.box.max - TinyCrossings::Origin(links);
+  return std::max({extent[0], extent[1], extent[2]}) < CornerList::kVoxels;
+}
 
 FineTriangles SortOutFine(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames, const Fineness& fineness,
                           const IndexBox& box, StopSignal stop, TileLinks& links,
@@ -135,9 +131,7 @@ FineTriangles SortOutFine(const SnappedMesh& mesh, const std::vector<ScanFrame>&
 }
 
 FineTriangles SortOutFineCover(const SnappedMesh& mesh, const IndexBox& box, StopSignal stop, TileLinks& links) {
-  const bool find_tiny = CanFindTiny(mesh, links);
-  return SortOut(mesh, stop, links,
-                 [&] { return FindCover{find_tiny ? std::make_unique<TinyCover>(box, links) : nullptr}; });
+  return SortOut(mesh, stop, links, [&] { return FindCover{TinyCover(box, links)}; });
 }
 
 }  // namespace latvox

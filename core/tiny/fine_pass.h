@@ -31,8 +31,11 @@ FineTriangles SortOutFine(const SnappedMesh& mesh, const std::vector<ScanFrame>&
                           const IndexBox& box, StopSignal stop, TileLinks& links,
                           UninitializedVector<uint8_t>* is_tiny);
 
-// Does the same for a supercover where cells are boxes along the lattice axes. It leaves out tiny triangles, whose
-// cells go to `links` (core/tiny/tiny_cover.h).
+// Whether lanes can find the tiny triangles of a mesh, and their voxels can be packed. The scalar kernel has no lanes.
+bool CanFindTiny(const SnappedMesh& mesh, const TileLinks& links);
+
+// Does the same as SortOutFine for a supercover where cells are boxes along the lattice axes. It leaves out tiny
+// triangles, whose cells go to `links` (core/tiny/tiny_cover.h). Precondition: CanFindTiny(mesh, links).
 FineTriangles SortOutFineCover(const SnappedMesh& mesh, const IndexBox& box, StopSignal stop, TileLinks& links);
 
 }  // namespace latvox

@@ -23,8 +23,8 @@
 #include <hwy/highway.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
-#include <span>
 #include <utility>
 
 #include "core/base/append_lanes-inl.h"

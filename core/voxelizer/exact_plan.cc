@@ -73,7 +73,8 @@ IndexBox BoxOfLinks(const ExactPlan& plan) {
 SurfaceFacts SortOutCover(ExactPlan& plan, StopSignal creation) {
   const SnappedMesh& mesh = plan.input.mesh;
   const bool are_boxes = !plan.input.supercover->scan_frames().empty();
-  if (!are_boxes || NeedsTiny(plan) || NeedsAllTriangles(plan) || !IsFineForCover(mesh)) return FactsOf(mesh, creation);
+  const bool may_be_fine = are_boxes && CanFindTiny(mesh, *plan.links) && !NeedsTiny(plan) && !NeedsAllTriangles(plan);
+  if (!may_be_fine || !IsFineForCover(mesh)) return FactsOf(mesh, creation);
   plan.is_fine = true;
   FineTriangles fine = SortOutFineCover(mesh, BoxOfLinks(plan), creation, *plan.links);
   plan.kept = std::move(fine.kept);
