@@ -127,6 +127,7 @@ class Server final : public VoxelServer {
   uint64_t reserved_memory() const override { return memory_.reserved(); }
   void Reload() override { access_.Reload(); }
   bool Stop(absl::Duration grace) override;
+  bool StopCalls(absl::Duration grace) override;
 
  private:
   void AddMetrics();
@@ -352,7 +353,7 @@ void Server::StopWatch() {
   if (watch_.joinable()) watch_.join();
 }
 
-bool Server::Stop(absl::Duration grace) {
+bool Server::StopCalls(absl::Duration grace) {
   if (!server_) return true;
   acceptor_.Stop();
   server_->GetHealthCheckService()->Shutdown();
@@ -365,6 +366,12 @@ bool Server::Stop(absl::Duration grace) {
     if (!registry_.WaitUntilEmpty(kStopTimeout / 5)) registry_.EndStalled(absl::ZeroDuration());
     if (!registry_.WaitUntilEmpty(kStopTimeout)) return false;
   }
+  return true;
+}
+
+bool Server::Stop(absl::Duration grace) {
+  if (!server_) return true;
+  if (!StopCalls(grace)) return false;
   StopWatch();
   server_->Shutdown(std::chrono::system_clock::now() + kCloseTimeout);
   server_.reset();

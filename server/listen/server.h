@@ -98,6 +98,10 @@ class VoxelServer {
   // stops them. Returns whether all have ended. If one of their threads is stuck, the process has to exit without
   // destructors. Idempotent; any thread except gRPC's.
   virtual bool Stop(absl::Duration grace) = 0;
+
+  // Does the same, except that gRPC's threads and connections stay: enough for a process that then exits without
+  // destructors.
+  virtual bool StopCalls(absl::Duration grace) = 0;
 };
 
 }  // namespace latvox
