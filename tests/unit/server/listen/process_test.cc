@@ -22,6 +22,7 @@
 #include <memory>
 #include <regex>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "absl/synchronization/notification.h"
@@ -312,8 +313,11 @@ bool IsAlive(pid_t pid) {
 }
 
 TEST(Latvoxd, LeavesNoDecoderProcessBehindHoweverItEnds) {
-  for (const int signal : {SIGTERM, SIGKILL, SIGSEGV}) {
-    Process server(Latvoxd({"--listen", "127.0.0.1:0", "--decoder-processes", "3"}));
+  for (const auto& [signal, is_private] :
+       {std::pair(SIGTERM, false), {SIGTERM, true}, {SIGKILL, false}, {SIGSEGV, false}}) {
+    std::vector<std::string> options{"--listen", "127.0.0.1:0", "--decoder-processes", "3"};
+    if (is_private) options.emplace_back("--exit-with-parent");
+    Process server(Latvoxd(options));
     server.ReadUntil("event=listening");
     const std::vector<pid_t> decoders = ChildrenOf(server.pid());
     EXPECT_EQ(decoders.size(), 3);
