@@ -138,7 +138,6 @@ class Server final : public VoxelServer {
   void Configure(grpc::ServerBuilder& builder) const;
   void Watch();
   void EndStalled();
-  void StopWatch();
 
   const ServerOptions options_;
   const int threads_;
@@ -344,35 +343,29 @@ void Server::EndStalled() {
   uploads_.DropIdle(is_short ? UnfinishedUploads::kShortPatience : UnfinishedUploads::kPatience);
 }
 
-void Server::StopWatch() {
-  {
-    const std::lock_guard lock(stop_mu_);
-    stopping_ = true;
-  }
-  stopped_.notify_all();
-  if (watch_.joinable()) watch_.join();
-}
-
 bool Server::StopCalls(absl::Duration grace) {
   if (!server_) return true;
   acceptor_.Stop();
   server_->GetHealthCheckService()->Shutdown();
   if (health_server_) health_server_->SetNotServing();
   registry_.Close();
-  if (!registry_.WaitUntilEmpty(grace)) {
-    registry_.StopAll();
-    // grpc::Server::Shutdown never returns while a call is open, whatever its deadline. A client that does not take a
-    // message cannot be told anything more.
-    if (!registry_.WaitUntilEmpty(kStopTimeout / 5)) registry_.EndStalled(absl::ZeroDuration());
-    if (!registry_.WaitUntilEmpty(kStopTimeout)) return false;
-  }
-  return true;
+  if (registry_.WaitUntilEmpty(grace)) return true;
+  registry_.StopAll();
+  // grpc::Server::Shutdown never returns while a call is open, whatever its deadline. A client that does not take a
+  // message cannot be told anything more.
+  if (!registry_.WaitUntilEmpty(kStopTimeout / 5)) registry_.EndStalled(absl::ZeroDuration());
+  return registry_.WaitUntilEmpty(kStopTimeout);
 }
 
 bool Server::Stop(absl::Duration grace) {
   if (!server_) return true;
   if (!StopCalls(grace)) return false;
-  StopWatch();
+  {
+    const std::lock_guard lock(stop_mu_);
+    stopping_ = true;
+  }
+  stopped_.notify_all();
+  if (watch_.joinable()) watch_.join();
   server_->Shutdown(std::chrono::system_clock::now() + kCloseTimeout);
   server_.reset();
   socket_files_.Remove();
