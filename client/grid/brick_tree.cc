@@ -25,21 +25,21 @@ Vec3i BrickAt(const TreePlace& place) {
   return brick;
 }
 
-void LowerNode::Add(uint32_t number, const BrickMask& mask) {
-  if (tiles_.Has(number)) return;
+void LowerNode::Add(uint32_t child, const BrickMask& mask) {
+  if (tiles_.Has(child)) return;
   BrickMask all = mask;
-  if (leaves_.Has(number)) {
-    const auto old = std::ranges::find(masks_, number, &Leaf::number);
+  if (leaves_.Has(child)) {
+    const auto old = std::ranges::find(masks_, child, &Leaf::number);
     for (size_t word = 0; word < all.size(); ++word) all[word] |= old->mask[word];
     *old = masks_.back();
     masks_.pop_back();
-    leaves_.Clear(number);
+    leaves_.Clear(child);
   }
   if (all == kFullBrick) {
-    tiles_.Set(number);
+    tiles_.Set(child);
   } else {
-    leaves_.Set(number);
-    masks_.push_back({all, static_cast<uint16_t>(number)});
+    leaves_.Set(child);
+    masks_.push_back({all, static_cast<uint16_t>(child)});
   }
 }
 

@@ -81,18 +81,18 @@ class LowerNode {
   LowerNode(const Vec3i& corner, uint32_t child) : upper(corner), number(child) {}
 
   // Adds the voxels to those of the brick with this number. Precondition: there are some.
-  void Add(uint32_t number, const BrickMask& mask);
+  void Add(uint32_t child, const BrickMask& mask);
 
   const LowerMask& leaves() const { return leaves_; }  // bricks that lack voxels
   const LowerMask& tiles() const { return tiles_; }    // full bricks
   bool is_full() const { return masks_.empty() && tiles_.Count() == kBricksOfLower; }
 
-  // Calls visit(number, mask) for each leaf, in ascending order.
+  // Calls visit(child, mask) for each leaf, in ascending order.
   template <class Visit>
   void ForEachLeaf(const Visit& visit) const {
     std::array<const BrickMask*, kBricksOfLower> masks;
     for (const Leaf& leaf : masks_) masks[leaf.number] = &leaf.mask;
-    leaves_.ForEach([&](uint32_t number) { visit(number, *masks[number]); });
+    leaves_.ForEach([&](uint32_t child) { visit(child, *masks[child]); });
   }
 
  private:

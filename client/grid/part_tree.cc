@@ -73,8 +73,8 @@ class VdbTree final : public PartTree {
     in_.read(children.data(), Mask::kBytes);
     in_.read(tiles.data(), Mask::kBytes);
     if (Get<char>() != 0) Fail();
-    const auto size = Get<int64_t>();  // negative: not compressed
-    const uint64_t values = size < 0 ? ~static_cast<uint64_t>(size) + 1 : static_cast<uint64_t>(size);
+    const auto length = Get<int64_t>();  // negative: not compressed
+    const uint64_t values = length < 0 ? ~static_cast<uint64_t>(length) + 1 : static_cast<uint64_t>(length);
     if (values > size()) Fail();
     in_.ignore(static_cast<std::streamsize>(values));
   }

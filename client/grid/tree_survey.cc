@@ -1,6 +1,6 @@
 #include "client/grid/tree_survey.h"
 
-#include <openvdb/openvdb.h>
+#include <openvdb/tree/Tree.h>  // of OpenVDB's headers, this one needs no part of its library
 
 #include <algorithm>
 #include <array>
@@ -10,7 +10,8 @@ namespace latvox::client {
 namespace {
 
 // The nodes of OpenVDB's tree, whose sizes in memory a file tells.
-using Root = openvdb::BoolTree::RootNodeType;
+using Tree = openvdb::tree::Tree4<bool, 5, 4, 3>::Type;
+using Root = Tree::RootNodeType;
 using Upper = Root::ChildNodeType;
 using Lower = Upper::ChildNodeType;
 using Leaf = Lower::ChildNodeType;
@@ -34,7 +35,7 @@ TreeSurvey::TreeSurvey(LowerNodes& nodes) {
 Metadata TreeSurvey::Statistics() const {
   const auto full =
       static_cast<uint64_t>(std::ranges::count_if(uppers_, [](const auto& upper) { return upper.second.is_full(); }));
-  const uint64_t memory = sizeof(openvdb::BoolTree) + sizeof(Root) + (uppers_.size() - full) * BytesOf<Upper>() +
+  const uint64_t memory = sizeof(Tree) + sizeof(Root) + (uppers_.size() - full) * BytesOf<Upper>() +
                           lowers_ * BytesOf<Lower>() + leaves_ * sizeof(Leaf);
   return {{"file_bbox_min", ToMetadata(min_)},
           {"file_bbox_max", ToMetadata(max_)},

@@ -124,6 +124,25 @@ class Union(MergeCase):
             self.merge(*self.parts(shards(7), *options, extensions=extensions))
             self.assertEqual(self.merged.read_bytes(), (self.dir / "whole.vdb").read_bytes(), extensions)
 
+    def test_parts_of_a_solid_with_tiles_are_the_whole_byte_for_byte(self):
+        options = ["--set", "solid", "--resolution", "200"]
+        summary = self.voxelize(BUNNY, *options, out="whole.vdb")
+        (grid,), _ = pyopenvdb.readAll(str(self.dir / "whole.vdb"))
+        self.assertLess(grid.leafCount(), summary["bricks"] * 3 / 4)
+        self.assertEqual(grid.activeVoxelCount(), summary["voxels"])
+        for extensions in ([".vdb"], [".vdb", ".nvdb"]):
+            self.merge(*self.parts(shards(5), *options, extensions=extensions))
+            self.assertEqual(self.merged.read_bytes(), (self.dir / "whole.vdb").read_bytes(), extensions)
+        self.voxelize(BUNNY, *options, out="whole.csv")
+        for source in "whole.vdb", "part1.nvdb":
+            self.assertEqual(latvox("convert", self.dir / source, "-o", self.dir / "again.csv").returncode, OK)
+            same = rows(self.dir / "again.csv") == rows(self.dir / "whole.csv")
+            self.assertEqual(same, source == "whole.vdb")
+        for words in ["compare", self.dir / "whole.vdb", self.merged], ["info", self.merged]:
+            self.assertEqual(latvox(*words).returncode, OK, words)
+        done = latvox("slice", self.dir / "whole.vdb", "-o", self.dir / "slice.png")
+        self.assertEqual(done.returncode, OK, done.stderr)
+
     def test_merging_may_go_on_from_merged_files(self):
         options = ["--lattice", "bcc", "--resolution", "100"]
         a, b, c = self.parts(slabs(1, 0, 50), *options)
