@@ -37,7 +37,6 @@ std::vector<VoxelFront> VoxelFront::Of(const VoxelScene& scene, std::span<const 
     if (shells.size() == kBatch) add();
   });
   add();
-  for_each_front([&](size_t n) { fronts[n].Widen(); });
   return fronts;
 }
 
@@ -72,8 +71,11 @@ void VoxelFront::Place(const VoxelScene& scene) {
   front_.assign(static_cast<size_t>(size_[0]) * static_cast<size_t>(size_[1]), kNothing);
 }
 
-// A projection is linear, so those of all cells of a brick are at the same places beside that of its first cell.
+// A projection is linear, so those of all cells of a brick are at the same places beside that of its first cell. No
+// processor predicts how many squares the next cell covers. So each cell marks as many as any one does, some twice.
 void VoxelFront::Add(const VoxelScene& scene, std::span<const Brick> shells) {
+  const double across = radius_ / square_;
+  const int most = static_cast<int>(std::ceil(2 * across)) + 1;
   std::array<Vec3d, 512> places;
   for (int32_t n = 0; n < 512; ++n) {
     places[static_cast<size_t>(n)] = Project(scene.CenterOf({n >> 6, n >> 3 & 7, n & 7}));
@@ -85,27 +87,18 @@ void VoxelFront::Add(const VoxelScene& scene, std::span<const Brick> shells) {
     for (size_t word = 0; word < shell.mask.size(); ++word) {
       for (uint64_t bits = shell.mask[word]; bits != 0; bits &= bits - 1) {
         const Vec3d& place = places[word * 64 + static_cast<size_t>(std::countr_zero(bits))];
-        float& front = front_[Square(static_cast<int>(x + place[0]), static_cast<int>(y + place[1]))];
-        front = std::max(front, static_cast<float>(z + place[2]));
+        const double at_x = x + place[0], at_y = y + place[1];
+        const int left = static_cast<int>(at_x - across), right = static_cast<int>(at_x + across);
+        const int top = static_cast<int>(at_y - across), bottom = static_cast<int>(at_y + across);
+        const auto height = static_cast<float>(z + place[2]);
+        for (int down = 0; down < most; ++down) {
+          float* const row = &front_[Square(0, std::min(top + down, bottom))];
+          for (int along = 0; along < most; ++along) {
+            float& front = row[std::min(left + along, right)];
+            front = std::max(front, height);
+          }
+        }
       }
-    }
-  }
-}
-
-// Takes the highest center within reach of a cell for each square. That is one look at each square, in place of a look
-// at several squares for each cell.
-void VoxelFront::Widen() {
-  const auto wide = static_cast<size_t>(size_[0]), rows = static_cast<size_t>(size_[1]);
-  std::vector<float> before, here, line(wide + 2, kNothing);
-  for (double reach = radius_ / square_; reach > 0; --reach) {
-    before.assign(wide, kNothing);
-    for (size_t y = 0; y < rows; ++y) {
-      float* const row = &front_[y * wide];
-      here.assign(row, row + wide);
-      const float* const next = y + 1 < rows ? row + wide : here.data();
-      for (size_t x = 0; x < wide; ++x) line[x + 1] = std::max(std::max(before[x], here[x]), next[x]);
-      for (size_t x = 0; x < wide; ++x) row[x] = std::max(std::max(line[x], line[x + 1]), line[x + 2]);
-      before.swap(here);
     }
   }
 }

@@ -45,7 +45,6 @@ class VoxelFront {
   explicit VoxelFront(const View& view);
   void Place(const VoxelScene& scene);
   void Add(const VoxelScene& scene, std::span<const Brick> shells);
-  void Widen();
 
   size_t Square(int x, int y) const {  // index in front_
     return static_cast<size_t>(y) * static_cast<size_t>(size_[0]) + static_cast<size_t>(x);
@@ -58,7 +57,7 @@ class VoxelFront {
   double radius_ = 0;            // of a ball around a cell
   std::array<double, 2> low_{};  // of the squares; a whole number
   std::array<int, 2> size_{};    // squares
-  std::vector<float> front_;     // of each square; before Widen, of the centers in it
+  std::vector<float> front_;     // of each square
 };
 
 }  // namespace latvox::client
