@@ -1,5 +1,5 @@
 # Tests of the finished programs, seen from outside; no C++ here.
-#   arm        the kernels compile for ARM; needs a cross compiler
+#   arm        the kernels compile for ARM, which needs a cross compiler; what the image for ARM is made of
 #   bench      the interface of latvox_bench that scripts use
 #   corpus     meshes of installed packages, compared with readers of others
 #   layering   who depends on whom
@@ -29,6 +29,7 @@ elseif(NOT latvox_thread_sanitizer)
 endif()
 if(NOT latvox_sanitized)
   latvox_add_system_test(arm "${latvox_python};arm/compile_test.py" SKIP_RETURN_CODE 77 LABELS slow)
+  latvox_add_system_test(arm.image "${latvox_python};arm/image_test.py" SKIP_RETURN_CODE 77)
   latvox_add_system_test(bench "${latvox_python};bench/bench_test.py")
   latvox_add_system_test(corpus "${latvox_python};corpus/corpus_test.py")
   latvox_add_system_test(deploy.kubernetes "node;--test;deploy/kubernetes/manifests.test.js")
