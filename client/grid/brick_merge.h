@@ -20,8 +20,8 @@ class BrickMerge {
  public:
   using Parts = std::vector<std::unique_ptr<PartFile>>;
 
-  // `disjoint`: a brick in two parts is an error. `progress` gets, from time to time, how often the parts have been
-  // read, such as 1.5 times, and the number of bricks that have been read, all passes included.
+  // `disjoint`: a brick in two parts is an error. `progress` gets two numbers from time to time: how often the parts
+  // have been read, such as 1.5 times, and the bricks read in all passes.
   BrickMerge(Parts parts, bool disjoint, const Cancellation& cancellation,
              std::function<void(double, uint64_t)> progress);
 

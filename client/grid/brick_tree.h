@@ -72,7 +72,7 @@ TreePlace PlaceOf(const Vec3i& brick_ijk);
 // Returns the coordinates of a brick. The inverse of PlaceOf.
 Vec3i BrickAt(const TreePlace& place);
 
-// A lower node. Memory: 1.1 KB, and about 76 bytes for each brick that is not full.
+// A lower node. Memory: 1.7 KB, and about 76 bytes for each brick that is not full.
 class LowerNode {
  public:
   Vec3i upper;      // low corner of the upper node

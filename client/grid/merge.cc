@@ -29,7 +29,7 @@ absl::StatusOr<BrickMerge::Parts> OpenParts(const std::vector<std::string>& path
   return parts;
 }
 
-// The tree of all parts, one node of which is in memory.
+// The tree of all parts. One node is in memory at a time.
 class MergedNodes final : public LowerNodes {
  public:
   explicit MergedNodes(BrickMerge& bricks) : bricks_(bricks) {}
@@ -98,6 +98,7 @@ absl::StatusOr<MergedGrid> MergeParts(const std::vector<std::string>& paths, con
     merged = {counts.voxels, counts.bricks, bricks.read() - counts.bricks, nodes.digest().ToHex()};
     Metadata metadata = MetadataOf(common->metadata);
     metadata["latvox_digest"] = ToMetadata(merged.digest);
+    metadata.try_emplace("name", ToMetadata(""));
     return metadata;
   };
   const absl::Status written = WriteVoxelFile(nodes, transform, describe, path, cancellation);

@@ -119,7 +119,7 @@ class NanoTree final : public PartTree {
 template <class Data, class Visit>
 auto With(std::istream& in, uint64_t at, const Visit& visit) {
   alignas(Data) std::array<char, sizeof(Data)> raw;
-  in.seekg(static_cast<std::streamoff>(at));
+  if (in.tellg() != static_cast<std::streamoff>(at)) in.seekg(static_cast<std::streamoff>(at));  // a seek drops buffers
   in.read(raw.data(), raw.size());
   return visit(*reinterpret_cast<const Data*>(raw.data()));
 }

@@ -32,8 +32,7 @@ class VdbTree final : public PartTree {
     tiles_.clear();
     for (uint32_t n = 0; n < tiles; ++n) {
       tiles_.push_back(Get<Vec3i>());
-      Get<char>();  // value
-      Get<char>();  // active
+      if (Get<char>() != 1 || Get<char>() != 1) Fail();  // value, active
     }
     next_tile_ = 0;
     read_ = 0;
@@ -124,6 +123,7 @@ bool PartTree::NextLower() {
       return true;
     }
     if (!ReadUpper(next_.upper, lowers_, lower_tiles_)) return false;
+    if (PlaceOf({next_.upper[0] >> 3, next_.upper[1] >> 3, next_.upper[2] >> 3}).upper != next_.upper) Fail();
     next_.lower = 0;
   }
 }

@@ -3,6 +3,7 @@
 #define LATVOX_CLIENT_GRID_PASSING_SINK_H_
 
 #include <algorithm>
+#include <cerrno>
 #include <ios>
 #include <streambuf>
 
@@ -36,11 +37,12 @@ class PassingSink : public std::streambuf {
 };
 
 // Passes all bytes on, a piece at a time, until the call is cancelled. From then on it takes none, so that its stream
-// fails. OpenVDB and NanoVDB look at nothing else while they write.
+// fails. OpenVDB and NanoVDB look at nothing else while they write. `error` gets the system's error, because the thread
+// that writes may be another one than the caller's.
 class StoppableSink final : public PassingSink {
  public:
-  StoppableSink(std::streambuf& sink, const Cancellation& cancellation)
-      : PassingSink(sink), cancellation_(cancellation) {}
+  StoppableSink(std::streambuf& sink, const Cancellation& cancellation, int& error)
+      : PassingSink(sink), cancellation_(cancellation), error_(error) {}
 
  protected:
   std::streamsize xsputn(const char* bytes, std::streamsize count) override {
@@ -48,7 +50,10 @@ class StoppableSink final : public PassingSink {
     std::streamsize passed = 0;
     while (passed < count && !cancellation_.cancelled()) {
       const std::streamsize now = sink_.sputn(bytes + passed, std::min(kPiece, count - passed));
-      if (now <= 0) break;
+      if (now <= 0) {
+        error_ = errno;
+        break;
+      }
       passed += now;
     }
     return passed;
@@ -56,6 +61,7 @@ class StoppableSink final : public PassingSink {
 
  private:
   const Cancellation& cancellation_;
+  int& error_;
 };
 
 }  // namespace latvox::client

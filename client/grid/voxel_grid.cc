@@ -71,6 +71,8 @@ absl::StatusOr<GridFile> Content(const openvdb::GridBase::Ptr& first, const std:
   return GridFile{Describe(*grid), *std::move(bricks)};
 }
 
+absl::Status NotEnoughMemory() { return absl::ResourceExhaustedError("not enough memory for the OpenVDB grid"); }
+
 // Returns the name of the grid that is read. Other grids may stand before it, because of their names.
 absl::StatusOr<std::string> SetName(const GridArchive& archive, const std::string& path) {
   if (archive.empty()) return NoGrid(path);
@@ -95,7 +97,7 @@ absl::Status VoxelGrid::Add(const BrickBatch& batch) try {
   AddBricksAndTiles(batch.bricks, content_->grid->tree());
   return absl::OkStatus();
 } catch (const std::bad_alloc&) {
-  return absl::ResourceExhaustedError("not enough memory for the OpenVDB grid");
+  return NotEnoughMemory();
 }
 
 void VoxelGrid::SetRequest(const VoxelizeRequest& request, const MeshNote& note) {
@@ -116,14 +118,18 @@ void VoxelGrid::SetMetadata(const std::vector<std::pair<std::string, std::string
 
 uint64_t VoxelGrid::CountActiveVoxels() const { return content_->grid->activeVoxelCount(); }
 
-absl::Status VoxelGrid::Write(const std::string& path, const Cancellation& cancellation) const {
+absl::Status VoxelGrid::Write(const std::string& path, const Cancellation& cancellation) const try {
   openvdb::tools::prune(content_->grid->tree());
   return WriteGridFile({content_->grid}, path, {}, cancellation);
+} catch (const std::bad_alloc&) {
+  return NotEnoughMemory();
 }
 
-absl::Status VoxelGrid::WriteNano(const std::string& path, const Cancellation& cancellation) const {
+absl::Status VoxelGrid::WriteNano(const std::string& path, const Cancellation& cancellation) const try {
   openvdb::tools::prune(content_->grid->tree());
   return WriteNanoFile({content_->grid}, path, {}, cancellation);
+} catch (const std::bad_alloc&) {
+  return NotEnoughMemory();
 }
 
 absl::StatusOr<GridFileInfo> ReadGridFileInfo(std::istream& in, const std::string& path) {

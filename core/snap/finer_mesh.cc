@@ -34,12 +34,12 @@ absl::StatusOr<FinerMesh> MakeFinerMesh(const SnappedMesh& mesh, int32_t n, cons
   constexpr int64_t kTileUnits = int64_t{kTileSide} * kLatticeUnit;
   Vec3i low = mesh.vertices_lat[0], high = low;
   FinerMesh finer{{{}, {}, mesh.triangles, {}}, {}};
-  for (size_t n = 0; n < mesh.vertices_lat.size(); ++n) {
-    if (n % kGrain == 0 && stop.Stopped()) return finer;
-    const Vec3i& v = mesh.vertices_lat[n];
+  for (size_t v = 0; v < mesh.vertices_lat.size(); ++v) {
+    if (v % kGrain == 0 && stop.Stopped()) return finer;
+    const Vec3i& at = mesh.vertices_lat[v];
     for (size_t m = 0; m < 3; ++m) {
-      low[m] = std::min(low[m], v[m]);
-      high[m] = std::max(high[m], v[m]);
+      low[m] = std::min(low[m], at[m]);
+      high[m] = std::max(high[m], at[m]);
     }
   }
   Vec3l move;  // of all vertices, so that the lowest lie in the first tile

@@ -20,7 +20,7 @@ namespace latvox {
 // along each axis.
 inline constexpr int kMostCells = 2;
 
-// Used by one thread for its part of the mesh. The scalar kernel has none.
+// Used by one thread for its part of the mesh. The scalar kernel finds no cells: see CanFindTiny.
 class TinyCover {
  public:
   //   box    local voxels; others are not wanted

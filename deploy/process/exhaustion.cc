@@ -98,6 +98,11 @@ absl::Status CheckAddresses(uint64_t bytes) {
   return NoMemory(absl::StrCat(": ", bytes / 1024, " KiB more are needed"));
 }
 
+bool HasAddressesForThreads() {
+  constexpr uint64_t kForThreads = uint64_t{128} << 20;
+  return CheckAddresses(kForThreads).ok();
+}
+
 absl::Status CheckThreads(int count) {
   pthread_attr_t attributes;
   if (pthread_attr_init(&attributes) != 0) return NoMemory();

@@ -33,6 +33,10 @@ uint64_t SpareStacks(uint64_t most);
 // abort, when their threads cannot start, so programs ask first.
 absl::Status CheckAddresses(uint64_t bytes);
 
+// Returns whether there are addresses for the threads that oneTBB starts for an algorithm. These wait forever, or
+// abort, where their stacks find none.
+bool HasAddressesForThreads();
+
 // Returns RESOURCE_EXHAUSTED, with the count, if the process cannot start so many threads. Starts them, and waits for
 // their end, because a limit counts all processes of a user, and does not tell how many there are.
 absl::Status CheckThreads(int count);

@@ -8,8 +8,8 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <exception>
 #include <future>
-#include <system_error>
 #include <thread>
 
 #include "server/base/log.h"
@@ -20,7 +20,9 @@ namespace {
 // Returns the niceness of a thread that has `more` than this one; nullopt for 0, which asks for no such threads.
 std::optional<int> NicenessBeyondThis(int more) {
   if (more == 0) return std::nullopt;
-  return getpriority(PRIO_PROCESS, static_cast<id_t>(gettid())) + more;
+  errno = 0;
+  const int now = getpriority(PRIO_PROCESS, static_cast<id_t>(gettid()));  // -1 is a valid niceness, too
+  return (errno == 0 ? now : 0) + more;
 }
 
 // Lowers the priority of this thread; Linux has a niceness for each. Everyone may raise it. Where a sandbox forbids
@@ -73,7 +75,7 @@ void WorkQueue::StartOthers() {
     while (static_cast<int>(residents_.size()) < threads_) {
       residents_.push_back(std::make_unique<Resident>(arena_, *niceness_));
     }
-  } catch (const std::system_error& error) {
+  } catch (const std::exception& error) {  // no thread, or no memory
     Log(LogLevel::kWarning, "threads_not_started",
         {{"error", error.what()}, {"of", threads_}, {"started", residents_.size()}});
   }

@@ -21,7 +21,7 @@
 namespace latvox::client {
 namespace {
 
-constexpr uint64_t kLeastMemory = uint64_t{2} << 30, kMemoryPerByte = 64;
+constexpr uint64_t kLeastMemory = uint64_t{4} << 30, kMemoryPerByte = 64;
 constexpr uint64_t kLeastSeconds = 30, kBytesPerSecond = uint64_t{1} << 20;
 constexpr int kWaitMs = 50;  // between two looks at the cancellation
 

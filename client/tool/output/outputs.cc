@@ -11,16 +11,6 @@
 #include "latvox/for_each_voxel.h"
 
 namespace latvox::client {
-namespace {
-
-// Threads of oneTBB wait forever, or abort, where their stacks find no addresses.
-bool HasAddressesForThreads() {
-  constexpr uint64_t kForThreads = uint64_t{128} << 20;
-  return CheckAddresses(kForThreads).ok();
-}
-
-}  // namespace
-
 absl::Status ForAllAtOnce(const Outputs& outputs, const Cancellation& cancellation,
                           const std::function<absl::Status(Output&)>& step) {
   std::vector<absl::Status> ends(outputs.size());

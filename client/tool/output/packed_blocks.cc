@@ -10,6 +10,9 @@
 #include <string_view>
 #include <utility>
 
+#include "absl/cleanup/cleanup.h"
+#include "deploy/process/exhaustion.h"
+
 namespace latvox::client {
 namespace {
 
@@ -25,7 +28,8 @@ uint32_t CheckOf(PackedBlocks::Form form, const Bytef* bytes, uInt count) {
   return 0;
 }
 
-// Returns false without memory. A full flush ends a piece on a whole byte, and the next one refers to nothing before.
+// Returns false without memory. Throws std::bad_alloc. A full flush ends a piece on a whole byte, and the next one
+// refers to nothing before.
 bool Pack(std::string_view bytes, PackedBlocks::Form form, PackedBlock& block) {
   constexpr int kWindowBits = 15, kMemoryLevel = 8;
   constexpr uLong kFlush = 16;  // more than the bytes of a flush
@@ -35,6 +39,7 @@ bool Pack(std::string_view bytes, PackedBlocks::Form form, PackedBlock& block) {
                    Z_DEFAULT_STRATEGY) != Z_OK) {
     return false;
   }
+  const absl::Cleanup end = [&z] { deflateEnd(&z); };
   z.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));  // zlib does not write there
   z.avail_in = static_cast<uInt>(bytes.size());
   block.check = CheckOf(form, z.next_in, z.avail_in);
@@ -42,10 +47,9 @@ bool Pack(std::string_view bytes, PackedBlocks::Form form, PackedBlock& block) {
   block.bytes.resize(deflateBound(&z, bytes.size()) + kFlush);
   z.next_out = reinterpret_cast<Bytef*>(block.bytes.data());
   z.avail_out = static_cast<uInt>(block.bytes.size());
-  deflate(&z, is_whole ? Z_FINISH : Z_FULL_FLUSH);
+  const int result = deflate(&z, is_whole ? Z_FINISH : Z_FULL_FLUSH);
   block.bytes.resize(block.bytes.size() - z.avail_out);
-  deflateEnd(&z);
-  return true;
+  return is_whole ? result == Z_STREAM_END : result == Z_OK && z.avail_in == 0;
 }
 
 }  // namespace
@@ -84,7 +88,9 @@ absl::Status PackedBlocks::Take(std::vector<PackedBlock>& blocks) {
   const auto pack = [&](size_t n) {
     if (!Pack(now_[n], form_, blocks[n])) good = false;
   };
-  tbb::parallel_invoke([this] { Read(); }, [&] { tbb::parallel_for(size_t{0}, blocks.size(), pack); });
+  tbb::task_arena arena(HasAddressesForThreads() ? tbb::task_arena::automatic : 1);
+  arena.execute(
+      [&] { tbb::parallel_invoke([this] { Read(); }, [&] { tbb::parallel_for(size_t{0}, blocks.size(), pack); }); });
   return good ? absl::OkStatus() : absl::ResourceExhaustedError("no memory to compress it");
 }
 

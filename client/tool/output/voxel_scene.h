@@ -69,7 +69,7 @@ class VoxelScene {
   }
 
   // Returns the cells of a brick that have a facet without a cell behind it. Every line that meets a cell meets its
-  // first and last point of all cells in one of these, because the cells around any point are connected through facets.
+  // first and last point of all cells in one of these. The reason: the cells around any point are connected by facets.
   // If a facet's step is too long for MaskStep, returns all cells.
   Brick ShellOf(const Brick& brick) const;
 

@@ -1,5 +1,7 @@
 #include "client/tool/vdb/brick_grid.h"
 
+#include <oneapi/tbb/task_arena.h>
+
 #include <new>
 #include <utility>
 
@@ -10,6 +12,7 @@
 #include "client/grid/request_metadata.h"
 #include "client/grid/voxel_file.h"
 #include "client/grid/warning_metadata.h"
+#include "deploy/process/exhaustion.h"
 #include "latvox/grid/voxel_grid.h"
 
 namespace latvox::client {
@@ -40,8 +43,9 @@ class BrickGrid final : public VdbGrid {
     metadata_ = std::move(read);
   }
   absl::Status Write(const std::string& path, VdbFormat, const Cancellation& cancellation) override {
-    return WriteVoxelFile(
-        tree_, transform_, [this](const VoxelCounts&) { return metadata_; }, path, cancellation);
+    const auto describe = [this](const VoxelCounts&) { return metadata_; };
+    oneapi::tbb::task_arena arena(HasAddressesForThreads() ? oneapi::tbb::task_arena::automatic : 1);
+    return arena.execute([&] { return WriteVoxelFile(tree_, transform_, describe, path, cancellation); });
   }
 
  private:

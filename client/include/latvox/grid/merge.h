@@ -31,12 +31,13 @@ using ReadPart = std::function<absl::StatusOr<GridContent>(const std::string& pa
 // parts' digests where no brick is in two parts. Fields are joined, too: where parts share a voxel, they must agree on
 // its values. A signed band is a level set again if its parts are all shards.
 //
-// Memory for sets without fields: 64 KiB for each part, 1 MiB for the whole, and 4 KiB for each block of 4096^3 voxels
-// that the whole meets (147 MB at most). It does not depend on the number of bricks. The parts are read three times.
+// Memory for sets without fields: 64 KiB for each part, 1 MiB for the whole, and 8 KiB for each block of 4096^3 voxels
+// that the whole meets (300 MB at most). It does not depend on the number of bricks. The parts are read three times.
 // Parts with fields are in memory all together: the bytes of their values, and 108 bytes for each brick. The whole is
 // as large again, and then come its grids: see FieldGrids, DistanceGrid. All parts are kept open: one file each.
 //
-//   progress   if not empty, is called now and then with the share of the work done, 0 to 1, and the bricks written
+//   progress   if not empty, is called now and then, from any thread, one call at a time: the share of the work done, 0
+//              to 1, and a third of the bricks read in three passes
 //   read       reads parts with fields; empty: ReadGridContent
 //
 // Damaged parts are errors. MergeParts checks all digests, and all lengths in parts without fields. `read` must check
