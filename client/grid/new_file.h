@@ -26,7 +26,7 @@ absl::Status WriteNewFile(const std::string& path, const Cancellation& cancellat
   const auto cannot = [&path](const char* why) {
     return absl::UnknownError(absl::StrCat(path, ": cannot be written (", why, ")"));
   };
-  int error = 0;
+  int refusal = 0;  // error of the system
   try {
     std::vector<char> buffer(size_t{1} << 20);
     std::ofstream file;
@@ -34,7 +34,7 @@ absl::Status WriteNewFile(const std::string& path, const Cancellation& cancellat
     file.exceptions(std::ios::failbit | std::ios::badbit);
     errno = 0;
     file.open(path, std::ios::binary | std::ios::trunc);
-    StoppableSink sink(*file.rdbuf(), cancellation, error);
+    StoppableSink sink(*file.rdbuf(), cancellation, refusal);
     std::ostream stream(&sink);
     stream.exceptions(std::ios::failbit | std::ios::badbit);
     write(stream);
@@ -42,7 +42,7 @@ absl::Status WriteNewFile(const std::string& path, const Cancellation& cancellat
     return absl::OkStatus();
   } catch (const std::ios_base::failure&) {
     if (auto stopped = CheckGoesOn(cancellation); !stopped.ok()) return stopped;
-    return cannot(std::strerror(error != 0 ? error : errno));  // the exception has only the library's message
+    return cannot(std::strerror(refusal != 0 ? refusal : errno));  // the exception has only the library's message
   } catch (const std::bad_alloc&) {
     return absl::ResourceExhaustedError(absl::StrCat(path, ": not enough memory to write the grid"));
   } catch (const std::exception& error) {

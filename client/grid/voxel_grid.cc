@@ -71,7 +71,7 @@ absl::StatusOr<GridFile> Content(const openvdb::GridBase::Ptr& first, const std:
   return GridFile{Describe(*grid), *std::move(bricks)};
 }
 
-absl::Status NotEnoughMemory() { return absl::ResourceExhaustedError("not enough memory for the OpenVDB grid"); }
+absl::Status NoMemoryForVoxels() { return absl::ResourceExhaustedError("not enough memory for the OpenVDB grid"); }
 
 // Returns the name of the grid that is read. Other grids may stand before it, because of their names.
 absl::StatusOr<std::string> SetName(const GridArchive& archive, const std::string& path) {
@@ -97,7 +97,7 @@ absl::Status VoxelGrid::Add(const BrickBatch& batch) try {
   AddBricksAndTiles(batch.bricks, content_->grid->tree());
   return absl::OkStatus();
 } catch (const std::bad_alloc&) {
-  return NotEnoughMemory();
+  return NoMemoryForVoxels();
 }
 
 void VoxelGrid::SetRequest(const VoxelizeRequest& request, const MeshNote& note) {
@@ -122,14 +122,14 @@ absl::Status VoxelGrid::Write(const std::string& path, const Cancellation& cance
   openvdb::tools::prune(content_->grid->tree());
   return WriteGridFile({content_->grid}, path, {}, cancellation);
 } catch (const std::bad_alloc&) {
-  return NotEnoughMemory();
+  return NoMemoryForVoxels();
 }
 
 absl::Status VoxelGrid::WriteNano(const std::string& path, const Cancellation& cancellation) const try {
   openvdb::tools::prune(content_->grid->tree());
   return WriteNanoFile({content_->grid}, path, {}, cancellation);
 } catch (const std::bad_alloc&) {
-  return NotEnoughMemory();
+  return NoMemoryForVoxels();
 }
 
 absl::StatusOr<GridFileInfo> ReadGridFileInfo(std::istream& in, const std::string& path) {
