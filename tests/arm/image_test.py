@@ -102,6 +102,8 @@ class Image(unittest.TestCase):
         self.assertIn('deploy/Dockerfile has no line "COPY --from=build', self.make().stderr)
         next(self.packages.glob("*.deb")).unlink()
         self.assertIn("deploy/packaging/build arm64 makes it", self.make().stderr)
+        shutil.rmtree(self.packages)
+        self.assertIn("deploy/packaging/build arm64 makes it", self.make().stderr)
 
 
 if __name__ == "__main__":

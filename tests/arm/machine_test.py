@@ -233,7 +233,6 @@ class Machine(unittest.TestCase):
         self.find("^Stopped$")
         self.assertEqual(re.findall(r".*level=(?:warning|error|critical).*", self.console), [])
 
-
     def test_nothing_is_left_of_the_packages(self):
         self.find("^Purged$")
         changed = re.findall(r"^Changed (.*)$", self.console, re.M)

@@ -78,10 +78,12 @@ class Manners(Case):
         self.assertEqual(tool.returncode, 0)
 
     def test_no_library_runs_when_the_tool_and_its_server_end(self):
-        for words, processes in ((["--version"], 1), (["voxelize"], 1), (["voxelize", self.mesh, "-o", "out.vdb"], 2)):
+        voxelize = ["voxelize", self.mesh, "--resolution", "20", "-o", "out.vdb"]
+        for words, processes, status in ((["--version"], 1, 0), (["voxelize"], 1, 2), (voxelize, 2, 0)):
             with self.subTest(words), tempfile.TemporaryDirectory() as folder:
                 environment = os.environ | {"LD_DEBUG": "files", "LD_DEBUG_OUTPUT": f"{folder}/loader"}
-                subprocess.run([BIN / "latvox", *words], cwd=self.dir, env=environment, capture_output=True, timeout=PATIENCE)
+                done = subprocess.run([BIN / "latvox", *words], cwd=self.dir, env=environment, capture_output=True, timeout=PATIENCE)
+                self.assertEqual(done.returncode, status, done.stderr)
                 texts = [path.read_text() for path in pathlib.Path(folder).iterdir()]
                 self.assertEqual([("calling init" in text, "calling fini" in text) for text in texts], [(True, False)] * processes)
 

@@ -247,7 +247,7 @@ class Release(unittest.TestCase):
         system = self.dir / "os-release"
         self.commit("deploy/release", lambda text: text.replace("/etc/os-release", str(system)))
         # Like the real one: `build` is a folder of the release's own.
-        view = 'view=$(mktemp -d); ln -s "$PWD"/* $view; mkdir -p build/$1; ln -sfn "$PWD/build/$1" $view/build; cd $view; DEBIAN=$1 "${@:2}"'
+        view = 'view=$(mktemp -d --tmpdir="${PWD%/*}"); ln -s "$PWD"/* $view; mkdir -p build/$1; ln -sfn "$PWD/build/$1" $view/build; cd $view; DEBIAN=$1 "${@:2}"'
         self.commit("deploy/packaging/in-debian", lambda _: f"#!/bin/bash\n{view}\n")
         self.commit("deploy/install-packages", lambda text: text + 'echo "$* ${DEBIAN:-own}" >>"$INSTALLED"\n')
         self.stub("abidw", PROGRAMS["abidw"].replace("$ABI", "of ${DEBIAN:-own}"))

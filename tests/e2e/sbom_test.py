@@ -12,7 +12,7 @@ BUILD = BIN.parent
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PROGRAMS = [BIN / "latvox", *BIN.glob("latvox-vdb.so"), BIN / "latvoxd"]
 EXTENSION = list(BUILD.glob("client/python/latvox/_latvox.*.so"))
-# Sources of Debian's packages that a build installs, and of which no code is in the programs.
+# A build installs packages of these sources of Debian, and the programs have no code of theirs.
 FOREIGN = {"assimp", "boost-defaults", "googletest", "python3-defaults"}
 LATE = next(pathlib.Path("/usr/lib").glob("*/libcurl.so.4"))  # a library that latvox loads when it needs it
 

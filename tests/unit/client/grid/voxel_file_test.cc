@@ -148,7 +148,7 @@ TEST_F(VoxelFile, BricksThatComeTwiceAreAUnion) {
   Check({full, low, full});
 }
 
-// Full upper nodes, of which each lower node is full: the first one's alone, and with one brick more.
+// Upper nodes whose lower nodes are all full: the first one's alone, and with one brick more.
 class FullNodes final : public LowerNodes {
  public:
   explicit FullNodes(std::vector<std::shared_ptr<const LowerNode>> others) : others_(std::move(others)) {}

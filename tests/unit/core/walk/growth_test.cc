@@ -40,7 +40,7 @@ class BallOnLattice : public testing::TestWithParam<ExactLattice> {};
 INSTANTIATE_TEST_SUITE_P(Exact, BallOnLattice, testing::ValuesIn(ExactLattices()),
                          [](const auto& lattice) { return lattice.param.name; });
 
-// The length of which a vector reaches one voxel along the axis that it reaches farthest along.
+// The length at which a vector reaches one voxel along its farthest axis.
 double LengthOfAVoxel(const Lattice& lattice) {
   double most = 0;
   for (size_t m = 0; m < 3; ++m) {
