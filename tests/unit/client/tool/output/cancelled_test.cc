@@ -55,6 +55,9 @@ TEST_F(CancelledOutput, OfEveryFormatIsNotFinished) {
   }
 }
 
+// Chunks that are read before others are packed: two rounds of PackedBlocks.
+constexpr int kAhead = 2 * 16;
+
 // Returns what fills a chunk, and cancels at the third one.
 std::function<void(std::string&)> CancelAtThree(const Cancellation& cancellation, int& chunks) {
   return [&cancellation, &chunks](std::string& chunk) {
@@ -63,23 +66,23 @@ std::function<void(std::string&)> CancelAtThree(const Cancellation& cancellation
   };
 }
 
-TEST_F(CancelledOutput, MakesNoFurtherChunkOfAnArchive) {
+TEST_F(CancelledOutput, MakesFewFurtherChunksOfAnArchive) {
   const Cancellation cancellation;
   int chunks = 0;
   const auto file = AtomicFile::Create(Path("o.npz"), AtomicFile::Form::kUnnamed, cancellation);
   const ZipMember member = {"a.npy", uint64_t{1000} << 20, CancelAtThree(cancellation, chunks)};
   EXPECT_EQ(WriteZip({member}, **file), absl::CancelledError("cancelled"));
-  EXPECT_EQ(chunks, 3);
+  EXPECT_LE(chunks, 3 + kAhead);
 }
 
-TEST_F(CancelledOutput, MakesNoFurtherChunkForVtk) {
+TEST_F(CancelledOutput, MakesFewFurtherChunksForVtk) {
   const Cancellation cancellation;
   int chunks = 0;
   const auto file = AtomicFile::Create(Path("o.vtu"), AtomicFile::Form::kUnnamed, cancellation);
   const VtkArray array = {"a", "UInt8", 1, uint64_t{1000} << 20, CancelAtThree(cancellation, chunks)};
   EXPECT_EQ(WriteVtkFile({"UnstructuredGrid", "", "", {{"PointData", {array}}}}, **file),
             absl::CancelledError("cancelled"));
-  EXPECT_EQ(chunks, 3);
+  EXPECT_LE(chunks, 3 + kAhead);
 }
 
 // Bricks of one voxel to two of them, with their numbers as a field.
