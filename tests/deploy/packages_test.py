@@ -323,7 +323,7 @@ class Installed(InRoot):
         self.assertEqual(self.show("ActiveState"), "active")
 
     def it_drains(self):
-        self.drop_in("metrics.conf", "[Service]\nEnvironment=LATVOX_METRICS_LISTEN=127.0.0.1:9464 LATVOX_GRACE=60\n")
+        self.drop_in("metrics.conf", "[Service]\nEnvironment=LATVOX_METRICS_LISTEN=127.0.0.1:9464 LATVOX_GRACE=600\n")
         job = f"latvox voxelize {BUNNY} --resolution 10000 --server {ADDRESS} --json"
         client = subprocess.Popen([*self.root.inside, "bash", "-c", job], stdout=subprocess.PIPE, text=True)
         self.addCleanup(client.stdout.close)

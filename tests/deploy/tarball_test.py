@@ -127,13 +127,13 @@ class AtWork(harness.Case):
         handler.func.log_message = lambda *_: None
         with http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler) as store:
             threading.Thread(target=store.serve_forever, daemon=True).start()
-            self.job(f"http://127.0.0.1:{store.server_port}/mesh.obj", "-o", "a.vdb", "-o", "a.h5", "-o", "a.png")
+            self.job(f"http://127.0.0.1:{store.server_port}/mesh.obj", "-o", "a.nvdb", "-o", "a.h5", "-o", "a.png")
             store.shutdown()
         loaded = self.assert_loaded_from_the_tarball("latvox", "latvoxd")
         for name in ("latvox-vdb.so", "libopenvdb", "libhdf5", "libcurl", "libstdc++"):
             self.assertTrue([path for path in loaded if path.startswith(name)], name)
         digest = self.voxelize(harness.BUNNY, "--resolution", "64")["digest"]
-        for name in ("a.vdb", "a.h5"):
+        for name in ("a.nvdb", "a.h5"):
             told = run(FOLDER / "bin/latvox", "info", self.dir / name, env=self.environment()).stdout
             self.assertIn(digest, told, name)
 

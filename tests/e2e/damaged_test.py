@@ -73,12 +73,12 @@ class Damaged(Case):
             self.assertEqual(done.returncode, 0, done.stderr)
 
     def test_lengths_that_a_file_claims(self):
-        path = self.claims(0xF0000000)
+        path = self.claims(0xFFFFFFFF)
         for words in ["info", path], ["compare", path, path], ["view", path, "-o", self.dir / "out.html"]:
             line = self.refused(*words)
             self.assertIn("claims.vdb: is damaged, or needs more than 4294967296 bytes of memory to read", line)
         self.assertIn("(it is cut short)", self.refused("info", self.claims(100)))
-        line = self.refused("merge", self.claims(0xF0000000), "-o", self.dir / "out.vdb")
+        line = self.refused("merge", self.claims(0xFFFFFFFF), "-o", self.dir / "out.vdb")
         self.assertIn("it is cut short: 65 bytes, and 12 more are needed at 61", line)
         self.assertFalse((self.dir / "out.vdb").exists())
 
