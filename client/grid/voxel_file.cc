@@ -5,6 +5,9 @@
 #include <openvdb/version.h>
 
 #include <array>
+#include <atomic>
+#include <exception>
+#include <mutex>
 #include <ostream>
 #include <stdexcept>
 #include <utility>
@@ -142,25 +145,42 @@ class Writer {
     Append(front + tiles);
   }
 
-  // Appends the bytes of all nodes, which a few threads make. Each pass appends the same nodes.
+  // Appends the bytes of all nodes, which a few threads make. Each pass appends the same nodes. oneTBB loses the memory
+  // of what is in flight when a filter throws, so the first exception waits for the end.
   template <class Serialize>
   void AppendNodes(const Serialize& serialize) {
     constexpr size_t kAtOnce = 8;  // nodes of up to 576 KB
     using Node = std::shared_ptr<const LowerNode>;
+    std::mutex mutex;
+    std::exception_ptr failure;  // guarded by mutex
+    std::atomic<bool> failed = false;
+    const auto attempt = [&](const auto& work) {
+      try {
+        if (!failed) work();
+      } catch (...) {
+        const std::lock_guard lock(mutex);
+        if (!failed.exchange(true)) failure = std::current_exception();
+      }
+    };
     nodes_.Rewind();
-    const auto take = [this](oneapi::tbb::flow_control& control) {
-      Node node = nodes_.Next();
+    const auto take = [&](oneapi::tbb::flow_control& control) {
+      Node node;
+      attempt([&] { node = nodes_.Next(); });
       if (!node) control.stop();
       return node;
     };
+    const auto make = [&](const Node& node) {
+      std::string bytes;
+      attempt([&] { bytes = serialize(*node); });
+      return bytes;
+    };
+    const auto append = [&](const std::string& bytes) { attempt([&] { Append(bytes); }); };
     using oneapi::tbb::filter_mode;
     using oneapi::tbb::make_filter;
-    oneapi::tbb::parallel_pipeline(
-        kAtOnce,
-        make_filter<void, Node>(filter_mode::serial_in_order, take) &
-            make_filter<Node, std::string>(filter_mode::parallel, [&](const Node& node) { return serialize(*node); }) &
-            make_filter<std::string, void>(filter_mode::serial_in_order,
-                                           [this](const std::string& bytes) { Append(bytes); }));
+    oneapi::tbb::parallel_pipeline(kAtOnce, make_filter<void, Node>(filter_mode::serial_in_order, take) &
+                                                make_filter<Node, std::string>(filter_mode::parallel, make) &
+                                                make_filter<std::string, void>(filter_mode::serial_in_order, append));
+    if (failure) std::rethrow_exception(failure);
   }
 
   // Returns a node's masks; before them, those of the upper node whose first one it is.
