@@ -10,9 +10,9 @@
 
 namespace latvox::client {
 
-// Most files have little-endian scalars for vertices, and a byte and three indices for a face. One loop reads them ten
-// times as fast as numbers one by one. What these functions leave, they have not touched: the reader of single numbers
-// goes on there, and finds the errors.
+// Most files have little-endian scalars for vertices, and a byte and three indices for a face. One loop reads them
+// four times as fast as numbers one by one. These functions stop at a fault and do not touch what follows. The reader
+// of single numbers goes on there, and finds the errors.
 
 // Appends the positions of the next vertices: all that the bytes are enough for. Returns their number: 0 if the element
 // has a list, or x, y and z are not all float or all double. Colors are not read.

@@ -26,7 +26,7 @@ struct Chunk {
 };
 
 // Goes through chunks, one after the other, in one thread.
-//   Find   takes a list of triangles, and appends to another list the numbers of those that are kept
+//   Find   takes a list of triangles. It appends the numbers of the kept triangles to another list
 template <class Find>
 class ChunkPass {
  public:

@@ -196,7 +196,8 @@ TEST_P(WalkOnLattice, ClosesHoles) {
   EXPECT_GT(inner, 0U);
 }
 
-// The walk keeps out of 70 million points around one triangle, and grows back to its surface.
+// The walk keeps out of 70 million points around one triangle, and grows back to its surface. With
+// sanitizers, core_growth_test alone grows by such a ball.
 TEST(Walk, MayCloseHolesOf512Voxels) {
   if (kSlowed) GTEST_SKIP() << "takes a hundred million distances";
   const TriangleMesh mesh = ToWorld({{Int3{0, 0, 0}, Int3{256, 0, 0}, Int3{0, 256, 128}}}, Cartesian());
