@@ -28,6 +28,7 @@ STUBS = {
     "deploy/install-packages": "",
     "deploy/packaging/build": 'tree=build${1:+/$1}/packages; mkdir -p $tree/docs; cd $tree; touch latvox_${1:-own}.deb docs/index.html; echo libcurl.so.4 >late_libraries.txt',
     "deploy/packaging/in-debian": 'mkdir -p build/$1/packages; touch "build/$1/packages/latvox_$1.deb"; [[ $2 == *build ]] || LATVOX_TREE=build/$1/packages "${@:2}"',
+    "deploy/packaging/arm64/image": "mkdir -p build/arm64/image",
     "deploy/packaging/tarball": 'touch "${LATVOX_TREE:-build/packages}/latvox-0-linux-$(uname -m).tar.gz"',
     "deploy/sbom": 'echo "{}" "$@"',
 }
@@ -46,7 +47,7 @@ class Release(unittest.TestCase):
     def setUp(self):
         self.dir = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory(prefix="latvox-release-")))
         self.repository = self.dir / "repository"
-        (self.repository / "deploy/packaging").mkdir(parents=True)
+        (self.repository / "deploy/packaging/arm64").mkdir(parents=True)
         (self.dir / "bin").mkdir()
         shutil.copy(ROOT / "deploy/release", self.repository / "deploy")
         shutil.copytree(ROOT / "proto", self.repository / "proto")
@@ -113,7 +114,7 @@ class Release(unittest.TestCase):
         text = self.made("0.1.0")
         folder = self.repository / "build/releases/0.1.0"
         names = {"latvox-0.1.0.tar.gz", "latvox-0.1.0-docs.tar.gz", "latvox-0.1.0-bookworm.spdx.json", "latvox-0.1.0-trixie.spdx.json", "latvox-gateway-0.1.0.spdx.json",
-                 "latvox-0.1.0.abi.tar.gz", "latvox-0.1.0-image.tar.gz", "latvox_own.deb", "latvox_arm64.deb", f"latvox-0-linux-{platform.machine()}.tar.gz"}  # fmt: skip
+                 "latvox-0.1.0.abi.tar.gz", "latvox-0.1.0-image.tar.gz", "latvox-0.1.0-image-arm64.tar.gz", "latvox_own.deb", "latvox_arm64.deb", f"latvox-0-linux-{platform.machine()}.tar.gz"}  # fmt: skip
         sums = dict(reversed(line.split("  ")) for line in (folder / "SHA256SUMS").read_text().splitlines())
         self.assertLessEqual(names, sums.keys())
         self.assertEqual({path.name for path in folder.iterdir()} - {"SHA256SUMS"}, sums.keys())
@@ -139,11 +140,17 @@ class Release(unittest.TestCase):
         with unittest.mock.patch.dict(os.environ, GIT_TEST_ASSUME_DIFFERENT_OWNER="1"):
             self.assertIn("whose maintainer is a <a@localhost>", self.made("0.1.0"))
 
-    def test_the_image_has_the_time_of_the_commit_and_its_health_check(self):
+    def test_images_have_the_time_of_the_commit_and_their_health_check(self):
         self.made("0.1.0")
         time = self.git("log", "-1", "--format=%ct").strip()
         built = (self.repository / "podman.log").read_text()
         self.assertRegex(built, rf"(?m)^podman build --format docker --timestamp {time} .* --build-arg SOURCE_DATE_EPOCH={time} --tag localhost/latvox:0.1.0 \.$")
+        self.assertRegex(built, rf"(?m)^podman build --format docker --timestamp {time} --platform linux/arm64 .* --tag localhost/latvox:0.1.0-arm64 build/arm64/image$")
+
+    def test_an_arm_machine_makes_its_own_image_alone(self):
+        self.stub("dpkg", "echo arm64")
+        self.made("0.1.0")
+        self.assertNotIn("-arm64", (self.repository / "podman.log").read_text())
 
     def test_a_machine_that_builds_no_image_is_refused_unless_none_is_wanted(self):
         self.stub("podman", "exit 1")
@@ -158,8 +165,7 @@ class Release(unittest.TestCase):
         for buildx, builder in (False, "podman"), (True, "docker"):
             self.stub("docker", f"[[ $1 == info ]] || {str(buildx).lower()} || exit 1\n{PROGRAMS['podman'].replace('podman $*', 'docker $*')}")
             self.made("0.1.0")
-            (built,) = re.findall(r"^(\w+) (?:buildx )?build .*", log.read_text(), re.M)
-            self.assertEqual(built, builder)
+            self.assertEqual(set(re.findall(r"^(\w+) (?:buildx )?build .*", log.read_text(), re.M)), {builder})
             log.unlink()
 
     def test_no_temporary_file_stays(self):
