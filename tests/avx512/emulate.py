@@ -28,6 +28,7 @@ import threading
 TESTS = (
     "core_row_spans_test",
     "core_kernel_test",
+    "core_tiny_cover_test",
     "core_candidates_test --gtest_filter=*LatticePoints*:*AllSizes*",
 )
 BUNNY = "/usr/share/glmark2/models/bunny.obj"
@@ -43,6 +44,7 @@ JOBS = [
     *(f"{mesh} {side} {lattice}" for mesh, sides in MESHES for side, lattice in itertools.product(sides, LATTICES)),
     *(f"{BUNNY} 256 {options}" for options in ("--no-minimal", "--set solid", "--set supercover")),
     *(f"{BUNNY} 128 {options}" for options in ("--set enclosed", "--set links", "--fields triangle,normal")),
+    *(f"sphere:30000 {side} --set supercover" for side in (64, 128)),
 ]
 ONCE = "--warmups 0 --reps 1 --threads 1 --json"
 RESULT = re.compile(r'^\{"(?:voxels|error)".*\}', re.MULTILINE)
