@@ -7,6 +7,8 @@
 #include <array>
 #include <atomic>
 #include <exception>
+#include <ios>
+#include <memory>
 #include <mutex>
 #include <ostream>
 #include <stdexcept>
@@ -67,6 +69,23 @@ void PutNode(const Mask& children, const Mask& tiles, std::string& out) {
   const uint32_t count = tiles.Count();
   out += count == 0 ? *none : PackedTiles(count);
 }
+
+// The same nodes, until the call is cancelled. The first pass writes nothing, so no stream looks at the cancellation.
+class StoppableNodes final : public LowerNodes {
+ public:
+  StoppableNodes(LowerNodes& nodes, const Cancellation& cancellation) : nodes_(nodes), cancellation_(cancellation) {}
+
+  void Rewind() override { nodes_.Rewind(); }
+
+  std::shared_ptr<const LowerNode> Next() override {
+    if (cancellation_.cancelled()) throw std::ios_base::failure("cancelled");
+    return nodes_.Next();
+  }
+
+ private:
+  LowerNodes& nodes_;
+  const Cancellation& cancellation_;
+};
 
 class Writer {
  public:
@@ -223,8 +242,9 @@ class Writer {
 absl::Status WriteVoxelFile(LowerNodes& nodes, const std::string& transform, const DescribeVoxels& describe,
                             const std::string& path, const Cancellation& cancellation) {
   return WriteNewFile(path, cancellation, [&](std::ostream& file) {
-    const TreeSurvey survey(nodes);
-    Writer(survey, nodes, file).Write(describe(survey.counts()), transform);
+    StoppableNodes stoppable(nodes, cancellation);
+    const TreeSurvey survey(stoppable);
+    Writer(survey, stoppable, file).Write(describe(survey.counts()), transform);
   });
 }
 

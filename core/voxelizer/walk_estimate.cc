@@ -12,6 +12,8 @@
 #include "absl/container/flat_hash_set.h"
 #include "core/base/vec.h"
 #include "core/brick/brick.h"
+#include "core/brick/label_runs.h"
+#include "core/request/labels.h"
 #include "core/walk/steps.h"
 
 namespace latvox {
@@ -59,55 +61,65 @@ struct LatticeBox {
   double Cells(double side) const { return CellsAlong(0, side) * CellsAlong(1, side) * CellsAlong(2, side); }
 };
 
+// A box of tiles, its last ones included.
+struct TileBox {
+  Vec3i low, high;
+
+  // The cubes that it meets. A cube has 2^level tiles along each axis.
+  TileBox Cubes(int level) const { return {Shifted(low, level), Shifted(high, level)}; }
+
+  double size() const {
+    double size = 1;
+    for (size_t m = 0; m < 3; ++m) size *= static_cast<double>(high[m]) - low[m] + 1;
+    return size;
+  }
+
+  bool operator==(const TileBox&) const = default;
+};
+
 // A set of cubes of tiles. Cubes double their sides before they are too many, so the memory is bounded.
 class Cubes {
  public:
-  // Precondition: cubes are no smaller than a tile.
-  explicit Cubes(int level) : level_(level) {}
+  Cubes(int level, StopSignal stop) : level_(level), stop_(stop) {}
 
-  double side() const { return double{kTileSide} * (1 << level_); }
+  int level() const { return level_; }
 
-  // Adds all cubes that the box meets.
-  void Add(uint32_t label, const LatticeBox& box) {
-    const Range range{label, CubeAt(box.low), CubeAt(box.high)};
-    if (range == last_) return;  // triangles that follow each other mostly are neighbors
-    last_ = range;
-    for (int32_t i = range.low[0]; i <= range.high[0]; ++i) {
-      for (int32_t j = range.low[1]; j <= range.high[1]; ++j) {
-        for (int32_t k = range.low[2]; k <= range.high[2]; ++k) cubes_.insert({label, Vec3i{i, j, k}});
+  // Adds all cubes that the box meets. Precondition: the set has at most kMaxWalkLabels labels, so that it is small
+  // enough when all tiles of a label are in eight cubes.
+  void Add(uint32_t label, const TileBox& box) {
+    const TileBox cubes = box.Cubes(level_);
+    if (label == last_label_ && cubes == last_) return;  // triangles that follow each other mostly are neighbors
+    last_label_ = label;
+    last_ = cubes;
+    for (int32_t i = cubes.low[0]; i <= cubes.high[0]; ++i) {
+      for (int32_t j = cubes.low[1]; j <= cubes.high[1]; ++j) {
+        for (int32_t k = cubes.low[2]; k <= cubes.high[2]; ++k) cubes_.insert({label, Vec3i{i, j, k}});
       }
     }
-    while (cubes_.size() > kMost) Double();
+    while (cubes_.size() > kMost && !stop_.Stopped()) Double();
   }
 
   double Tiles() const { return static_cast<double>(cubes_.size()) * std::pow(8.0, level_); }
 
  private:
   static constexpr size_t kMost = size_t{1} << 18;
-
-  struct Range {
-    uint32_t label;
-    Vec3i low, high;
-    bool operator==(const Range&) const = default;
-  };
-
-  Vec3i CubeAt(const Vec3d& at) const {
-    Vec3i cube;
-    for (size_t m = 0; m < 3; ++m) cube[m] = static_cast<int32_t>(std::floor(at[m] / side()));
-    return cube;
-  }
+  static_assert(8 * kMaxWalkLabels <= kMost);
 
   void Double() {
     absl::flat_hash_set<std::pair<uint32_t, Vec3i>> doubled;
     for (const auto& [label, cube] : cubes_) doubled.insert({label, Shifted(cube, 1)});
     cubes_ = std::move(doubled);
     ++level_;
-    last_.reset();
+    last_ = kNone;
   }
 
+  static constexpr TileBox kNone{{0, 0, 0}, {-1, -1, -1}};
+
   int level_;
+  const StopSignal stop_;
   absl::flat_hash_set<std::pair<uint32_t, Vec3i>> cubes_;
-  std::optional<Range> last_;
+  uint32_t last_label_ = 0;
+  TileBox last_ = kNone;
 };
 
 // The level of cubes that are as wide as the margin, so that small triangles meet few of them.
@@ -127,12 +139,12 @@ size_t PlaceOfLabels(const VoxelRequest& request) {
 // Adds up the tiles of triangles in several ways. Each is an upper bound.
 class WallTiles {
  public:
-  WallTiles(const Grid& grid, const VoxelRequest& request)
+  WallTiles(const Grid& grid, const VoxelRequest& request, StopSignal stop)
       : grid_(grid),
         room_(RoomOf(grid, request)),
         margin_(room_.margin()),
-        cubes_(LevelFor(margin_)),
-        largest_cubes_(cubes_.side()) {
+        cubes_(LevelFor(margin_), stop),
+        first_level_(cubes_.level()) {
     // From any point of the tile to one of the wall, and from there to the mesh.
     const Vec3d tile{kTileSide, kTileSide, kTileSide};
     width_ = room_.width + DiagonalOf(grid, tile + room_.step);
@@ -142,11 +154,13 @@ class WallTiles {
 
   template <class Vertex>
   void Add(uint32_t label, const Vertex& a, const Vertex& b, const Vertex& c) {
-    const LatticeBox box = Around({InLattice(a), InLattice(b), InLattice(c)});
-    const double tiles = std::min(box.Cells(kTileSide), VolumeWithin(a, b, c) / tile_volume_);
-    sum_ += tiles;
+    constexpr double kPoint = 27;  // tiles: about the volume within the width of a point, which is the least
     constexpr double kFewCubes = 64;
-    if (box.Cells(largest_cubes_) > kFewCubes) {
+    const TileBox box = Around({InLattice(a), InLattice(b), InLattice(c)});
+    double tiles = box.size();
+    if (tiles > kPoint) tiles = std::min(tiles, VolumeWithin(a, b, c) / tile_volume_);
+    sum_ += tiles;
+    if (box.Cubes(first_level_).size() > kFewCubes) {
       of_large_ += tiles;
     } else {
       cubes_.Add(label, box);
@@ -155,21 +169,24 @@ class WallTiles {
 
   double Most() const { return std::min(sum_, of_large_ + cubes_.Tiles()); }
 
-  LatticeBox Around(const std::array<Vec3d, 3>& points) const {
-    LatticeBox box;
+ private:
+  TileBox Around(const std::array<Vec3d, 3>& points) const {
+    TileBox box;
     for (size_t m = 0; m < 3; ++m) {
       const auto [low, high] = std::minmax({points[0][m], points[1][m], points[2][m]});
-      box.low[m] = Bounded(low - margin_[m]);
-      box.high[m] = Bounded(high + margin_[m]);
+      box.low[m] = TileAt(low - margin_[m]);
+      box.high[m] = TileAt(high + margin_[m]);
     }
     return box;
   }
 
- private:
-  // A job refuses a mesh that reaches farther.
-  static double Bounded(double x) {
+  // std::floor is a call without SSE4.1, and takes most of the time. A job refuses a mesh that reaches farther.
+  static int32_t TileAt(double x) {
     constexpr double kFar = 0x1p30;
-    return x >= -kFar ? std::min(x, kFar) : -kFar;
+    const double bounded = x >= -kFar ? std::min(x, kFar) : -kFar;  // also not a number
+    const auto towards_zero = static_cast<int32_t>(bounded);
+    const int32_t rounded_down = towards_zero - (bounded < towards_zero ? 1 : 0);
+    return rounded_down >> kTileBits;
   }
 
   template <class Vertex>
@@ -191,7 +208,7 @@ class WallTiles {
   const Vec3d margin_;
   double width_ = 0, tile_volume_ = 0;  // world units
   Cubes cubes_;
-  const double largest_cubes_;  // the side of cubes at first, voxels
+  const int first_level_;  // of the cubes
   double sum_ = 0, of_large_ = 0;
 };
 
@@ -221,10 +238,12 @@ double MostWalks(const TriangleMesh& mesh, const VoxelRequest& request, StopSign
   if (!labels) return 1;
   const size_t stride = request.fields.OfMesh().size();
   absl::flat_hash_set<uint32_t> numbers;
+  uint32_t last = kNoLabel;
   size_t vertex = 0;
   for (size_t n = PlaceOfLabels(request); n < mesh.attributes.size() && numbers.size() < labels->most; n += stride) {
     if (vertex++ % kPiece == 0 && stop.Stopped()) return 0;
-    numbers.insert(mesh.attributes[n]);
+    if (mesh.attributes[n] != last) numbers.insert(mesh.attributes[n]);
+    last = mesh.attributes[n];
   }
   return static_cast<double>(numbers.size());
 }
@@ -232,19 +251,28 @@ double MostWalks(const TriangleMesh& mesh, const VoxelRequest& request, StopSign
 double MostWallTiles(const TriangleMesh& mesh, const MeshExtent& extent, const Grid& grid, const VoxelRequest& request,
                      double walks, StopSignal stop) {
   if (request.walk() == nullptr) return 0;
+  constexpr double kFewTiles =
+      1 << 10;  // a grid of 512^3; without `close` they take 25 MB, and a pass saves some of it
+  const double in_box = BoxOf(extent.bounds, grid, RoomOf(grid, request).margin()).Cells(kTileSide) * walks;
+  if (request.walk()->close == 0 && in_box <= kFewTiles) return in_box;
   const size_t stride = request.fields.OfMesh().size(), place = request.labels() ? PlaceOfLabels(request) : 0;
   const bool has_labels = request.labels() && mesh.attributes.size() == mesh.vertex_count() * stride;
   const auto number = [&](uint32_t vertex) { return has_labels ? mesh.attributes[vertex * stride + place] : 0; };
-  WallTiles tiles(grid, request);
-  VisitVertices(mesh, [&](const auto& vertices) {
+  WallTiles tiles(grid, request, stop);
+  absl::flat_hash_set<uint32_t> labels;
+  uint32_t last = kNoLabel;
+  const bool is_whole = VisitVertices(mesh, [&](const auto& vertices) {
     for (size_t t = 0; t < mesh.triangles.size(); ++t) {
-      if (t % kPiece == 0 && stop.Stopped()) return;
+      if (t % kPiece == 0 && stop.Stopped()) return false;
       const auto& [a, b, c] = mesh.triangles[t];
-      tiles.Add(std::min({number(a), number(b), number(c)}), vertices[a], vertices[b], vertices[c]);
+      const uint32_t label = std::min({number(a), number(b), number(c)});
+      if (label != last && labels.insert(label).second && labels.size() > kMaxWalkLabels) return false;
+      last = label;
+      tiles.Add(label, vertices[a], vertices[b], vertices[c]);
     }
+    return true;
   });
-  const double in_box = BoxOf(extent.bounds, grid, RoomOf(grid, request).margin()).Cells(kTileSide);
-  return std::min(tiles.Most(), in_box * walks);
+  return is_whole ? std::min(tiles.Most(), in_box) : in_box;
 }
 
 double MostWalkPoints(const MeshExtent& extent, const Grid& grid, const VoxelRequest& request) {

@@ -16,7 +16,8 @@ namespace latvox {
 double MostWalks(const TriangleMesh& mesh, const VoxelRequest& request, StopSignal stop = {});
 
 // An upper bound on the number of tiles that the walks find walls in or near, whatever part is delivered. A tile counts
-// for each walk. Takes one pass over the triangles, and up to 16 MiB. Precondition: CheckMesh(mesh) is OK.
+// for each walk. Takes one pass over the triangles, and up to 24 MiB; none where few tiles are in the mesh's box, or
+// the mesh has more than kMaxWalkLabels labels, which a job refuses. Precondition: CheckMesh(mesh) is OK.
 //   extent   the mesh's
 //   walks    as MostWalks returns
 double MostWallTiles(const TriangleMesh& mesh, const MeshExtent& extent, const Grid& grid, const VoxelRequest& request,

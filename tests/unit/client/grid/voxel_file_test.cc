@@ -222,5 +222,40 @@ TEST_F(VoxelFile, AFileThatCannotBeWritten) {
   }
 }
 
+TEST_F(VoxelFile, CancellingEndsEachPass) {
+  class Cancelling final : public LowerNodes {
+   public:
+    Cancelling(BrickTree& tree, uint32_t at, const Cancellation& cancellation)
+        : tree_(tree), at_(at), cancellation_(cancellation) {}
+    uint32_t taken() const { return taken_; }
+    void Rewind() override { tree_.Rewind(); }
+    std::shared_ptr<const LowerNode> Next() override {
+      if (++taken_ == at_) cancellation_.Cancel();
+      return tree_.Next();
+    }
+
+   private:
+    BrickTree& tree_;
+    const uint32_t at_;
+    const Cancellation& cancellation_;
+    uint32_t taken_ = 0;
+  };
+  BrickTree tree;
+  for (int32_t n = 0; n < 20; ++n) tree.Add(Bricks{MakeBrick({16 * n, 0, 0})});
+  constexpr uint32_t kNodesAndEnd = 21;
+  for (uint32_t pass = 0; pass < 3; ++pass) {
+    const Cancellation cancellation;
+    Cancelling nodes(tree, pass * kNodesAndEnd + 5, cancellation);
+    const auto written = WriteVoxelFile(
+        nodes, TransformBytes(MakeTransform()),
+        [](const VoxelCounts&) {
+          return Metadata{{"name", ToMetadata("voxels")}};
+        },
+        Path("cancelled.vdb"), cancellation);
+    EXPECT_EQ(written.code(), absl::StatusCode::kCancelled) << written;
+    EXPECT_EQ(nodes.taken(), pass * kNodesAndEnd + 5);
+  }
+}
+
 }  // namespace
 }  // namespace latvox::client

@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/request/labels.h"
 #include "core/voxelizer/voxelizer.h"
 #include "core/walk/facts.h"
 #include "tests/unit/core/exact.h"
@@ -138,6 +139,33 @@ TEST(WallTiles, OfVeryManyAreCountedInLargerCubes) {
   const double tiles = MostWallTiles(mesh, ExtentOf(mesh), grid, request, 1);
   EXPECT_GE(tiles, 400000);
   EXPECT_LE(tiles, 8 * 400000);
+}
+
+// All walks of a job together count their tiles in larger cubes.
+TEST(WallTiles, OfManyLabelsAreCountedInLargerCubes) {
+  const Grid grid = Unscaled(Lattice::Named(NamedLattice::kCartesian));
+  TriangleMesh mesh = Dust(400000, 60000);
+  for (uint32_t n = 0; n < mesh.vertices.size(); ++n) mesh.attributes.push_back(n / 3 % kMaxWalkLabels);
+  const VoxelizeOptions options{.set = Enclosed{.labels = Field::kPart}, .fields = {Field::kPart}};
+  const VoxelRequest request = MakeRequest(options).value();
+  const double walks = MostWalks(mesh, request);
+  ASSERT_EQ(walks, double{kMaxWalkLabels});
+  const MeshExtent extent = ExtentOf(mesh);
+  const size_t before = held;
+  most_held = before;
+  EXPECT_GE(MostWallTiles(mesh, extent, grid, request, walks), 400000);
+  EXPECT_LE(most_held - before, size_t{24} << 20);
+}
+
+// More labels than cubes, so larger cubes are no fewer.
+TEST(WallTiles, EndWithMoreLabelsThanAJobMayHave) {
+  const Grid grid = Unscaled(Lattice::Named(NamedLattice::kCartesian));
+  TriangleMesh mesh = Dust(300000, 3000);
+  for (uint32_t n = 0; n < mesh.vertices.size(); ++n) mesh.attributes.push_back(n / 3);
+  const VoxelizeOptions options{.set = Enclosed{.labels = Field::kPart}, .fields = {Field::kPart}};
+  const VoxelRequest request = MakeRequest(options).value();
+  EXPECT_GT(MostWallTiles(mesh, ExtentOf(mesh), grid, request, MostWalks(mesh, request)), 0);
+  EXPECT_EQ(VoxelizeJob::Create(mesh, grid, options).status().code(), absl::StatusCode::kResourceExhausted);
 }
 
 TEST(WalkPoints, HoldWhatCloseKeepsTheWalkOutOf) {
