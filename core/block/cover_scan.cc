@@ -1,6 +1,7 @@
 #include "core/block/cover_scan.h"
 
 #include <hwy/base.h>
+#include <hwy/cache_control.h>
 
 #include <algorithm>
 #include <utility>
@@ -31,6 +32,15 @@ HWY_INLINE void ForEachNumber(const BitsLayout& layout, const IndexBox& box, F&&
       for (int32_t k = 0; k < side[2]; ++k) f(row + static_cast<uint32_t>(k));
     }
   }
+}
+
+// Prefetches the corners of later triangles. Neighbors in the list may be far apart in the mesh, and so may their
+// vertices.
+HWY_INLINE void PrefetchAhead(const SnappedMesh& mesh, std::span<const uint32_t> triangles) {
+  constexpr size_t kVerticesAhead = 12, kTrianglesAhead = 24;
+  if (triangles.size() <= kTrianglesAhead) return;
+  hwy::Prefetch(&mesh.triangles[triangles[kTrianglesAhead]]);
+  for (const uint32_t vertex : mesh.triangles[triangles[kVerticesAhead]]) hwy::Prefetch(&mesh.vertices_lat[vertex]);
 }
 
 }  // namespace
@@ -83,8 +93,9 @@ void CoverScan::AddBoxes(const TileContext& context, std::span<const uint32_t> t
   scanned_.clear();
   open_.clear();
   constexpr size_t kMostOpen = size_t{1} << 16;
-  for (const uint32_t t : triangles) {
-    if (context.stop.Stopped()) break;
+  for (size_t n = 0; n < triangles.size() && !context.stop.Stopped(); ++n) {
+    PrefetchAhead(context.mesh, triangles.subspan(n));
+    const uint32_t t = triangles[n];
     const Triangle triangle = context.mesh.TriangleAt(t);
     const IndexBox cells = BoxOfCells(triangle);
     if (IsEmpty(Intersection(cells, where.box))) continue;

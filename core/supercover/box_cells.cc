@@ -112,7 +112,7 @@ using Vec3l = Vec<int64_t, 3>;
 
 // Returns whether covector . v + (sum of the covector) U/2 is a multiple of U, with the covector divided by its common
 // divisor. Computed modulo 2^64, which holds the low bits.
-bool MayTouch(const Vec3l& covector, const Vec3l& v) {
+bool MayTouch(const Vec3l& covector, const Vec3i& v) {
   const auto touches = [&](const Vec3l& by) {
     uint64_t sum = 0;
     for (size_t m = 0; m < 3; ++m) {
@@ -128,14 +128,18 @@ bool MayTouch(const Vec3l& covector, const Vec3l& v) {
 }  // namespace
 
 bool ScanFindsCover(const Triangle& triangle) {
-  std::array<Vec3l, 3> v;
-  for (size_t n = 0; n < 3; ++n) v[n] = {triangle[n][0], triangle[n][1], triangle[n][2]};
-  const Vec3l normal = Cross(v[1] - v[0], v[2] - v[0]);
-  if (MayTouch(normal, v[0])) return false;  // also if it is 0
-  Vec3l principal;                           // the signs of the normal: see MakeScanFrames
+  // Not from 64-bit copies of the corners: compilers read numbers that were written one by one as vectors, which waits.
+  const auto edge = [&](size_t from, size_t to) {
+    Vec3l out;
+    for (size_t m = 0; m < 3; ++m) out[m] = int64_t{triangle[to][m]} - triangle[from][m];
+    return out;
+  };
+  const Vec3l normal = Cross(edge(0, 1), edge(0, 2));
+  if (MayTouch(normal, triangle[0])) return false;  // also if it is 0
+  Vec3l principal;                                  // the signs of the normal: see MakeScanFrames
   for (size_t m = 0; m < 3; ++m) principal[m] = (normal[m] > 0 ? 1 : 0) - (normal[m] < 0 ? 1 : 0);
   for (size_t n = 0; n < 3; ++n) {
-    if (MayTouch(Cross(v[(n + 1) % 3] - v[n], principal), v[n])) return false;
+    if (MayTouch(Cross(edge(n, (n + 1) % 3), principal), triangle[n])) return false;
   }
   return true;
 }
