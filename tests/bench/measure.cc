@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <ctime>
 #include <memory>
 #include <thread>
 #include <utility>
@@ -20,6 +21,9 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 double Milliseconds(Clock::duration duration) { return std::chrono::duration<double, std::milli>(duration).count(); }
+
+// Of all threads, in user and system mode.
+double ProcessorMilliseconds() { return 1e3 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 // A job, and the memory that must be freed after the clock stops.
 struct Run {
@@ -91,7 +95,9 @@ absl::StatusOr<Measurement> MeasureOurs(const Arguments& arguments, const Grid& 
   for (int n = 0; n < runs; ++n) {
     Run run{CopyOrTake(mesh, last_use && !arguments.cancel && n + 1 == runs)};
     if (!memory) memory.emplace();
+    const double processor = ProcessorMilliseconds();
     latvox_bench_job(arguments, grid, run);
+    const double processor_end = ProcessorMilliseconds();
     if (!run.status.ok()) return run.status;
     const JobTotals& totals = run.job->totals();
     if (!out.digest.empty() && out.digest != totals.digest.ToHex()) {
@@ -102,6 +108,7 @@ absl::StatusOr<Measurement> MeasureOurs(const Arguments& arguments, const Grid& 
     whole = run.end - run.start;
     if (n < arguments.warmups) continue;
     out.milliseconds.push_back(Milliseconds(run.end - run.start));
+    out.processor_milliseconds.push_back(processor_end - processor);
     if (run.first_tile == Clock::time_point{}) continue;
     const double first = Milliseconds(run.first_tile - run.start);
     out.first_brick_milliseconds = std::min(first, out.first_brick_milliseconds.value_or(first));
@@ -130,10 +137,15 @@ absl::StatusOr<Measurement> MeasurePeer(const Arguments& arguments, const Grid& 
   out.simd = arguments.peer;
   const PeakMemory memory;
   for (int n = 0; n < arguments.warmups + arguments.reps; ++n) {
+    const double processor = ProcessorMilliseconds();
     const auto start = Clock::now();
     if (auto status = (*peer)->Run(); !status.ok()) return status;
     const auto end = Clock::now();
-    if (n >= arguments.warmups) out.milliseconds.push_back(Milliseconds(end - start));
+    const double processor_end = ProcessorMilliseconds();
+    if (n >= arguments.warmups) {
+      out.milliseconds.push_back(Milliseconds(end - start));
+      out.processor_milliseconds.push_back(processor_end - processor);
+    }
     out.voxels = (*peer)->Finish();
   }
   out.peak_rss_bytes = memory.Bytes();
@@ -170,6 +182,7 @@ absl::StatusOr<Measurement> Measure(const Arguments& arguments, TriangleMesh& me
   if (!measured.ok()) return measured.status();
   measured->triangles = triangles;
   std::sort(measured->milliseconds.begin(), measured->milliseconds.end());
+  std::sort(measured->processor_milliseconds.begin(), measured->processor_milliseconds.end());
   return measured;
 }
 

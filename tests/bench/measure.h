@@ -18,6 +18,7 @@ struct Measurement {
   std::string digest;                              // empty for another program
   double read_milliseconds = 0;                    // to make the mesh, or to read its file; the caller sets it
   std::vector<double> milliseconds;                // of each repetition, ascending: valid mesh to bricks, in memory
+  std::vector<double> processor_milliseconds;      // of all threads, ascending
   std::optional<double> first_brick_milliseconds;  // from the same start to the first tile; minimum
   std::optional<double> cancel_milliseconds;       // see Arguments::cancel; from Cancel to the last thread's stop, most
   uint64_t peak_rss_bytes = 0;                     // of the process, once the mesh was loaded

@@ -8,7 +8,7 @@ namespace latvox {
 namespace {
 
 double Least(const Measurement& m) { return m.milliseconds.front(); }
-double Median(const Measurement& m) { return m.milliseconds[m.milliseconds.size() / 2]; }
+double Median(const std::vector<double>& ascending) { return ascending[ascending.size() / 2]; }
 double NsPerTriangle(const Measurement& m) { return Least(m) * 1e6 / static_cast<double>(m.triangles); }
 double MvoxelsPerS(const Measurement& m) { return static_cast<double>(m.voxels) / Least(m) / 1e3; }
 
@@ -22,7 +22,7 @@ nlohmann::ordered_json OrNull(const std::optional<T>& value) {
 std::string ToText(const Measurement& m) {
   std::string out = absl::StrFormat(
       "%d voxels  %.2f ms min  %.2f ms median  %.1f ns/triangle  %.1f Mvoxels/s  %.0f MB peak  %s", m.voxels, Least(m),
-      Median(m), NsPerTriangle(m), MvoxelsPerS(m), static_cast<double>(m.peak_rss_bytes) / 1e6, m.simd);
+      Median(m.milliseconds), NsPerTriangle(m), MvoxelsPerS(m), static_cast<double>(m.peak_rss_bytes) / 1e6, m.simd);
   if (m.job_peak_bytes) {
     absl::StrAppendFormat(&out, "  %.1f bytes/triangle beyond the mesh",
                           static_cast<double>(*m.job_peak_bytes) / static_cast<double>(m.triangles));
@@ -36,7 +36,8 @@ std::string ToText(const Measurement& m) {
 std::string ToJson(const Arguments& arguments, const Measurement& m) {
   const nlohmann::ordered_json out{{"voxels", m.voxels},
                                    {"ms_min", Least(m)},
-                                   {"ms_median", Median(m)},
+                                   {"ms_median", Median(m.milliseconds)},
+                                   {"ms_processor", Median(m.processor_milliseconds)},
                                    {"ns_per_triangle", NsPerTriangle(m)},
                                    {"mvoxels_per_s", MvoxelsPerS(m)},
                                    {"peak_rss_bytes", m.peak_rss_bytes},
