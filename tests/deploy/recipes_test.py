@@ -140,6 +140,14 @@ class Recipes(unittest.TestCase):
         self.assertEqual(left_out, {f"-D{name}=OFF" for name in re.findall(r'"(\w{5,})"', alone)}, "what a test builds")
 
 
+class Pages(unittest.TestCase):
+    def test_commands_hold_for_each_version(self):
+        pages = [ROOT / "README.md", *ROOT.glob("deploy/docs/*.md"), *ROOT.glob("client/docs/*.md")]
+        self.assertGreater(len(pages), 20)
+        files = {str(page.relative_to(ROOT)): re.findall(r"latvox[\w-]*[-_]v?\d+\.\d[\w.-]*", page.read_text()) for page in pages}
+        self.assertEqual({page: names for page, names in files.items() if names}, {})
+
+
 class Images(unittest.TestCase):
     FILES = [*ROOT.glob("deploy/*.md"), *ROOT.glob("deploy/docs/*.md"), ROOT / "deploy/Dockerfile"]
 
