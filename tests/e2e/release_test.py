@@ -156,9 +156,11 @@ class Release(unittest.TestCase):
         self.stub("podman", "exit 1")
         self.refused("neither docker with buildx nor podman nor buildah runs here", "0.1.0")
         self.assertIn("NOT BUILT", self.made("0.1.0", "--without-image"))
-        self.stub("buildah", 'if [[ $1 == push ]]; then file=${3#docker-archive:}; echo image >"${file%%:*}"; fi')
+        self.stub("buildah", 'if [[ $1 == push ]]; then file=${3#docker-archive:}; echo image >"${file%%:*}"; else echo "$*" >>podman.log; fi')
         self.made("0.1.0")
         self.assertTrue((self.repository / "build/releases/0.1.0/latvox-0.1.0-image.tar.gz").exists())
+        builds = re.findall(r"^build .*", (self.repository / "podman.log").read_text(), re.M)
+        self.assertEqual([" --isolation chroot " in build for build in builds], [True, True], builds)
 
     def test_docker_builds_the_image_if_it_has_buildx(self):
         log = self.repository / "podman.log"
@@ -275,15 +277,21 @@ class Release(unittest.TestCase):
 
 
 class Packages(unittest.TestCase):
-    """The groups of deploy/packages that deploy/release installs, against what the documentation's programs import and run."""
+    """The groups of deploy/packages that deploy/release installs, against what its programs import and run."""
 
     MODULES = {"google": "python3-protobuf"}
     PROGRAMS = {"doxygen": "doxygen", "protoc": "protobuf-compiler"}
 
-    def test_a_release_installs_all_that_the_documentation_needs(self):
+    def installed(self):
         groups = re.search(r"^  release\) groups='(.*)' ;;$", (ROOT / "deploy/install-packages").read_text(), re.M)[1]
         rows = [line.split() for line in (ROOT / "deploy/packages").read_text().splitlines() if line and line[0] != "#"]
-        installed = {row[1] for row in rows if re.search(groups, row[0])}
+        return {row[1] for row in rows if re.search(groups, row[0])}
+
+    def test_a_release_installs_a_builder_of_images(self):
+        builders = re.search(r"^  for program in (docker podman buildah); do$", (ROOT / "deploy/release").read_text(), re.M)[1]
+        self.assertTrue(self.installed() & set(builders.split()))
+
+    def test_a_release_installs_all_that_the_documentation_needs(self):
         folder = ROOT / "client/docs"
         scripts = [path for path in folder.iterdir() if path.is_file() and (path.suffix == ".py" or path.read_bytes().startswith(b"#!/usr/bin/python3"))]
         self.assertLessEqual({folder / "build", folder / "proto_reference"}, set(scripts))
@@ -297,7 +305,7 @@ class Packages(unittest.TestCase):
         run = set(re.findall(r'\brun\("([\w-]+)"', (folder / "build").read_text()))
         self.assertEqual(run, self.PROGRAMS.keys())
         self.assertIn("google", foreign)
-        self.assertLessEqual({self.MODULES[name] for name in foreign} | set(self.PROGRAMS.values()), installed)
+        self.assertLessEqual({self.MODULES[name] for name in foreign} | set(self.PROGRAMS.values()), self.installed())
 
 
 if __name__ == "__main__":
