@@ -8,6 +8,7 @@
 
 #include "client/mesh_files/mesh_source.h"
 #include "client/python/arguments.h"
+#include "client/python/ending.h"
 #include "client/python/mesh_arrays.h"
 #include "client/python/status.h"
 #include "client/tool/cli/remote_files.h"
@@ -136,7 +137,7 @@ SharedVoxels Call::Wait(const py::object& progress) {
     if (progress.is_none()) return;
     double share = 0;
     work_->Change([&] { share = progress_; });
-    progress(share);
+    CallBack(progress, py::make_tuple(share));
   };
   // The call cannot end while it has no room for more batches.
   const auto is_blocked = [this] { return !batches_.empty() && !work_->cancellation().cancelled(); };

@@ -4,6 +4,7 @@
 
 #include "client/python/arguments.h"
 #include "client/python/call.h"
+#include "client/python/ending.h"
 #include "client/python/files.h"
 #include "client/python/voxels.h"
 #include "client/python/work.h"
@@ -16,18 +17,20 @@ namespace {
 namespace py = pybind11;
 using py::arg;
 
+using Counted = py::call_guard<Inside>;
+
 void BindVoxels(py::module_& module) {
   py::class_<Voxels, SharedVoxels>(module, "Voxels")
       .def("__len__", [](const Voxels& voxels) { return CountVoxels(voxels); })
       .def_readonly("progress", &Voxels::progress)
       .def_readonly("report", &Voxels::report)
-      .def("brick_ijk", &BrickIjk)
-      .def("brick_masks", &BrickMasks)
-      .def("ijk", &Ijk)
-      .def("points", &Points)
-      .def("fields", &FieldNames)
-      .def("names", &NamesOfField, arg("field"))
-      .def("field", &FieldArray, arg("name"))
+      .def("brick_ijk", &BrickIjk, Counted())
+      .def("brick_masks", &BrickMasks, Counted())
+      .def("ijk", &Ijk, Counted())
+      .def("points", &Points, Counted())
+      .def("fields", &FieldNames, Counted())
+      .def("names", &NamesOfField, arg("field"), Counted())
+      .def("field", &FieldArray, arg("name"), Counted())
       .def("basis",
            [](const Voxels& voxels) {
              const Basis& basis = voxels.all.accepted.grid.basis;
@@ -47,20 +50,20 @@ void BindVoxels(py::module_& module) {
           [](const Voxels& voxels, const std::optional<std::pair<Vec3i, Vec3i>>& box, const std::string& field) {
             return Dense(voxels, box ? std::optional(IndexBox{box->first, box->second}) : std::nullopt, field);
           },
-          arg("box"), arg("field"))
-      .def("save", &Save, arg("path"), arg("dense_npy"), arg("array"), arg("allow_http"));
+          arg("box"), arg("field"), Counted())
+      .def("save", &Save, arg("path"), arg("dense_npy"), arg("array"), arg("allow_http"), Counted());
 }
 
 void BindCalls(py::module_& module) {
   py::class_<Connection>(module, "Connection")
       .def(py::init<const py::dict&, const std::string&, const std::string&>(), arg("keywords"), arg("token"),
-           arg("program"))
-      .def("close", &Connection::Close);
+           arg("program"), Counted())
+      .def("close", &Connection::Close, Counted());
   py::class_<Call>(module, "Call")
       .def(py::init<const Connection&, const py::object&, const py::dict&, bool>(), arg("connection"), arg("mesh"),
-           arg("keywords"), arg("streams"))
-      .def("wait", &Call::Wait, arg("progress"))
-      .def("next", &Call::Next)
+           arg("keywords"), arg("streams"), Counted())
+      .def("wait", &Call::Wait, arg("progress"), Counted())
+      .def("next", &Call::Next, Counted())
       .def("cancel", &Call::Cancel);
 }
 
@@ -74,9 +77,9 @@ PYBIND11_MODULE(_latvox, module) {
   module.def("keywords", &Keywords);
   module.def("set_program", &SetProgramPath, arg("path"));
   module.def("extensions", &OutputExtensions);
-  module.def("open", &OpenFile, arg("path"));
-  module.def("convert", &Convert, arg("path"), arg("keywords"));
-  module.def("merge", &Merge, arg("parts"), arg("out"));
+  module.def("open", &OpenFile, arg("path"), Counted());
+  module.def("convert", &Convert, arg("path"), arg("keywords"), Counted());
+  module.def("merge", &Merge, arg("parts"), arg("out"), Counted());
   BindVoxels(module);
   BindCalls(module);
 }

@@ -4,12 +4,24 @@
 
 #include "absl/time/time.h"
 #include "client/python/arguments.h"
+#include "client/python/ending.h"
 #include "client/tool/cli/exit_status.h"
 #include "latvox/error.h"
 
 namespace latvox::client::python {
 
 namespace py = pybind11;
+
+namespace {
+
+// Returns the function that makes an exception of a status.
+py::object ErrorOf() {
+  PyObject* const module = InPython([] { return PyImport_ImportModule("latvox._errors"); });
+  if (module == nullptr) throw py::error_already_set();
+  return py::reinterpret_steal<py::object>(module).attr("error_of");
+}
+
+}  // namespace
 
 void Check(const absl::Status& status) {
   if (status.ok()) return;
@@ -23,8 +35,9 @@ void Check(const absl::Status& status) {
     if (!text.empty()) facts[name] = WithKeywords(text);
   }
   if (details.retry_after) facts["retry_after"] = absl::ToDoubleSeconds(*details.retry_after);
-  const py::object make = py::module_::import("latvox._errors").attr("error_of");
-  const py::object error = make(absl::StatusCodeToString(status.code()), WithKeywords(ErrorText(status)), facts);
+  const py::tuple arguments =
+      py::make_tuple(absl::StatusCodeToString(status.code()), WithKeywords(ErrorText(status)), facts);
+  const py::object error = CallPython(ErrorOf(), arguments);
   PyErr_SetObject(reinterpret_cast<PyObject*>(Py_TYPE(error.ptr())), error.ptr());
   throw py::error_already_set();
 }

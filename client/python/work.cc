@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "client/python/ending.h"
 #include "client/python/status.h"
 #include "client/tool/cli/abandoned_work.h"
 #include "client/tool/vdb/vdb.h"
@@ -24,10 +25,6 @@ namespace py = pybind11;
 constexpr auto kGlance = std::chrono::milliseconds(50);
 
 // Guarded by the GIL.
-bool g_ends = false;    // EndWork was called
-int g_without_gil = 0;  // threads in WithoutGil
-
-// Guarded by the GIL.
 std::set<Work*>& AllWork() {
   static auto& all = *new std::set<Work*>;
   return all;
@@ -35,23 +32,12 @@ std::set<Work*>& AllWork() {
 
 }  // namespace
 
-WithoutGil::WithoutGil() : state_(g_ends ? nullptr : (++g_without_gil, PyEval_SaveThread())) {}
-
-WithoutGil::~WithoutGil() {
-  if (state_ == nullptr) return;
-  PyEval_RestoreThread(state_);
-  --g_without_gil;
-}
-
 void EndWork() {
-  if (!CheckProcess().ok()) return;  // a fork lacks the threads that it counts
-  g_ends = true;
+  if (!CheckProcess().ok()) return;  // a fork lacks the threads that it would wait for
+  BeginEnd();
   for (Work* const work : AllWork()) work->Cancel();
-  while (g_without_gil > 0) {
-    PyThreadState* const state = PyEval_SaveThread();
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    PyEval_RestoreThread(state);
-  }
+  AwaitAllOutside();
+  for (Work* const work : AllWork()) work->Join();  // nobody waits for it
 }
 
 absl::Status CheckProcess() {
@@ -76,7 +62,7 @@ void LeaveOutExitHandlers() {
 }
 
 Work::Work(std::function<absl::Status(Work&)> work) {
-  if (g_ends) Check(absl::CancelledError("cancelled, because Python ends"));
+  CheckNotEnding();
   thread_ = std::thread([this, work = std::move(work)] {
     absl::Status status;
     try {
@@ -132,7 +118,7 @@ bool Work::Await(const std::function<bool()>& is_ready, const std::function<void
       if (changed_.wait_for(lock, kGlance, [&] { return ended_ || is_ready(); })) return ended_;
     }
     try {
-      if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+      if (InPython([] { return PyErr_CheckSignals(); }) != 0) throw py::error_already_set();
       if (glance) glance();
     } catch (const py::error_already_set&) {
       Cancel();

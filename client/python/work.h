@@ -37,21 +37,8 @@ struct DeleteInItsProcess {
 template <class T>
 using OfProcess = std::unique_ptr<T, DeleteInItsProcess>;
 
-// Releases the GIL while it lives. After EndWork it keeps the GIL: a thread that then takes it again ends in the middle
-// of destructors, and the process with it.
-class WithoutGil {
- public:
-  WithoutGil();
-  ~WithoutGil();
-  WithoutGil(const WithoutGil&) = delete;
-  WithoutGil& operator=(const WithoutGil&) = delete;
-
- private:
-  PyThreadState* const state_;  // null: the GIL is kept
-};
-
-// For the end of Python, when daemon threads still run: cancels all work, waits until no thread is in WithoutGil, and
-// lets no new work begin. Requires the GIL.
+// For the end of Python, when daemon threads still run: cancels all work, waits until it has ended and its threads have
+// left this module, and lets no new work begin. Requires the GIL.
 void EndWork();
 
 // Work on a thread of its own, which never needs the GIL. The destructor cancels it and waits for its end.
@@ -80,6 +67,7 @@ class Work {
   const absl::Status& status() const { return status_; }
 
  private:
+  friend void EndWork();
   void Join();
 
   const Cancellation cancellation_;
