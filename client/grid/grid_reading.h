@@ -26,13 +26,15 @@
 
 namespace latvox::client {
 
-// Returns the result of read(archive) for the file's bytes. Errors: INVALID_ARGUMENT (an exception of OpenVDB or
-// NanoVDB, or the end of the bytes), with the path; RESOURCE_EXHAUSTED: memory.
+// Returns the result of read(archive) for the file's bytes. Errors: INVALID_ARGUMENT (kNoGridFile, an exception of
+// OpenVDB or NanoVDB, or the end of the bytes), with the path; RESOURCE_EXHAUSTED: memory.
 template <class Read>
 auto WithArchive(std::istream& in, const std::string& path, const Read& read)
     -> decltype(read(std::declval<GridArchive&>())) {
   std::string why;
-  const bool is_nano = IsNanoMagic(ReadMagic(in));
+  const uint64_t magic = ReadMagic(in);
+  const bool is_nano = IsNanoMagic(magic);
+  if (!is_nano && magic != openvdb::OPENVDB_MAGIC) return absl::InvalidArgumentError(path + kNoGridFile);
   try {
     openvdb::initialize();
     const auto archive = is_nano ? OpenNanoArchive(in) : OpenVdbArchive(in);

@@ -199,7 +199,7 @@ absl::StatusOr<MergeWords> ParseMergeWords(const std::vector<std::string>& parts
 }
 
 std::string WithKeywords(const std::string& text) {
-  std::vector<std::pair<std::string, std::string>> names;
+  std::vector<std::pair<std::string, std::string>> names = {{"latvox voxelize", "latvox.voxelize"}};
   for (const Keyword& keyword : AllKeywords()) names.emplace_back(keyword.option, keyword.name);
   return absl::StrReplaceAll(text, names);
 }

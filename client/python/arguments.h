@@ -30,7 +30,8 @@ absl::StatusOr<ConvertOptions> ParseConvertKeywords(const pybind11::dict& keywor
 // Returns the words of `latvox merge --json`, checked as on the command line. Errors: INVALID_ARGUMENT.
 absl::StatusOr<MergeWords> ParseMergeWords(const std::vector<std::string>& parts, const std::string& out);
 
-// Returns a text of the tool with keywords in place of options: "voxel_size" in place of "--voxel-size".
+// Returns a text of the tool with keywords in place of options, and the function in place of the command that it names:
+// "voxel_size" in place of "--voxel-size".
 std::string WithKeywords(const std::string& text);
 
 }  // namespace latvox::client::python

@@ -62,7 +62,7 @@ class Align(Case):
             self.assertEqual(done.returncode, 2, option)
             self.assertIn("--align", done.stderr)
             self.assertIn(option.split("=")[0], done.stderr)
-        for name, says in ((self.dir / "none.vdb", "no such file"), (BIN / "latvox", "not a readable .vdb file")):
+        for name, says in ((self.dir / "none.vdb", "no such file"), (BIN / "latvox", "neither a .vdb nor a .nvdb file")):
             done = latvox("voxelize", BUNNY, "-o", self.dir / "o.vdb", "--align", name)
             self.assertEqual(done.returncode, 3)
             self.assertIn(says, done.stderr)

@@ -242,6 +242,23 @@ class Convert(Case):
             self.assertIn(" is a URL; download it", done.stderr)
             self.assertNotIn("secret", done.stderr)
 
+    def test_commands_that_read_grids_name_the_one_that_reads_meshes(self):
+        self.write([BUNNY, "--resolution", "9"], "a.vdb", "a.npz")
+        mesh = self.dir / "mesh.OBJ"
+        mesh.write_bytes(pathlib.Path(BUNNY).read_bytes())
+        (self.dir / "mesh.vdb").write_bytes(mesh.read_bytes())
+        commands = [["convert", "-o", "o.csv"], ["slice", "-o", "o.png"], ["render", "-o", "o.png"], ["view", "-o", "o.html"],
+                    ["compare", "a.vdb"], ["voxelize", BUNNY, "-o", "o.vdb", "--align"]]  # fmt: skip
+        for command in commands:
+            for name, help in (("mesh.OBJ", "; latvox voxelize reads meshes"), ("a.npz", ""), ("mesh.vdb", "")):
+                with self.subTest(command[0], file=name):
+                    done = latvox(*command, name, cwd=self.dir)
+                    self.assertEqual(done.returncode, 3, done.stderr)
+                    says = f"{name}: is neither a .vdb nor a .nvdb file, the only ones whose voxels latvox reads{help}\n"
+                    self.assertTrue(done.stderr.endswith(says), done.stderr)
+        done = latvox("info", "mesh.vdb", cwd=self.dir)
+        self.assertIn("mesh.vdb: is neither a .vdb nor a .nvdb file", done.stderr)
+
     def test_grids_that_cannot_be_read(self):
         density = pyopenvdb.FloatGrid()
         density.name = "density"

@@ -311,7 +311,7 @@ class Errors(Case):
             ([self.vdb, *out, "--view", "10,91"], USAGE, "--view.*10,91.*90"),
             ([self.vdb, *out, "--color", "red"], USAGE, "--color.*red.*RRGGBB"),
             ([self.dir / "none.vdb", *out], BAD_INPUT, "none.vdb: no such file"),
-            ([self.no_vdb, *out], BAD_INPUT, r"octahedron.obj: is not a readable .vdb file \(not a VDB file\)"),
+            ([self.no_vdb, *out], BAD_INPUT, "octahedron.obj: is neither a .vdb nor a .nvdb file, .*; latvox voxelize reads meshes"),
             ([self.vdb, "-o", self.dir / "none" / "out.png"], OTHER, "none/out.png: cannot be written"),
         ]:
             with self.subTest(pattern):
@@ -322,7 +322,7 @@ class Errors(Case):
         for status, pattern, *arguments in [
             (USAGE, "required", "compare", self.vdb),
             (BAD_INPUT, "none.vdb: no such file", "compare", self.vdb, none),
-            (BAD_INPUT, "is not a readable .vdb file", "compare", self.no_vdb, self.vdb),
+            (BAD_INPUT, "is neither a .vdb nor a .nvdb file", "compare", self.no_vdb, self.vdb),
             (USAGE, "--axis.*w", "slice", self.vdb, "--axis", "w", "--index", "0", *out),
             (USAGE, "--index.*1.5", "slice", self.vdb, "--axis", "x", "--index", "1.5", *out),
             (USAGE, "--background.*pink.*RRGGBB", "slice", self.vdb, "--background", "pink", *out),

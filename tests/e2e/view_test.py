@@ -555,7 +555,7 @@ class Page(Case):
             (USAGE, r"page\.png.*\.html", self.dir / "a.vdb", "-o", self.dir / "page.png"),
             (USAGE, "--view-up", self.dir / "a.vdb", "-o", page, "--view-up", "w"),
             (BAD_INPUT, "none.vdb: no such file", self.dir / "none.vdb", "-o", page),
-            (BAD_INPUT, "a.obj: is not a readable .vdb file", no_vdb, "-o", page),
+            (BAD_INPUT, "a.obj: is neither a .vdb nor a .nvdb file", no_vdb, "-o", page),
         ]:
             with self.subTest(pattern):
                 done = latvox("view", *arguments)

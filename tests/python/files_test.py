@@ -75,6 +75,10 @@ def test_open_names_what_is_wrong(tmp_path):
     (tmp_path / "bad.vdb").write_bytes(b"no grid")
     with pytest.raises(latvox.InvalidArgument, match="bad.vdb"):
         latvox.open(str(tmp_path / "bad.vdb"))
+    mesh = write_obj(tmp_path / "mesh.obj", octahedron())
+    for call in (lambda: latvox.open(mesh), lambda: latvox.convert(mesh, tmp_path / "v.csv")):
+        with pytest.raises(latvox.InvalidArgument, match=r"mesh\.obj: is neither a \.vdb nor a \.nvdb file, .*; latvox\.voxelize reads meshes$"):
+            call()
 
 
 def test_import_of_all_names_leaves_python_s_open():

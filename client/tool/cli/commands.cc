@@ -4,9 +4,9 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
+#include "client/tool/cli/grid_input.h"
 #include "client/tool/cli/info_json.h"
 #include "client/tool/cli/report.h"
-#include "client/tool/confined/foreign_grid.h"
 #include "client/tool/inspect/file_facts.h"
 #include "client/tool/output/output.h"
 #include "latvox/grid/voxel_grid.h"
@@ -44,7 +44,7 @@ absl::StatusOr<GridFileInfo> ReadGridInfo(const std::string& path) {
     auto info = ReadNanoFileInfo(path);
     if (!absl::IsFailedPrecondition(info.status())) return info;
   }
-  return ReadForeignInfo(path);
+  return ReadInputInfo(path);
 }
 
 }  // namespace

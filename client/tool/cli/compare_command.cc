@@ -10,9 +10,9 @@
 #include "client/json/json.h"
 #include "client/tool/cli/common_options.h"
 #include "client/tool/cli/difference_output.h"
+#include "client/tool/cli/grid_input.h"
 #include "client/tool/cli/value_difference.h"
 #include "client/tool/cli/voxel_difference.h"
-#include "client/tool/confined/foreign_grid.h"
 #include "latvox/grid/grid_content.h"
 
 namespace latvox::client {
@@ -149,9 +149,9 @@ void Check(const CompareWords& words) {
 }
 
 absl::StatusOr<Comparison> RunCompare(const CompareWords& words, const Cancellation& cancellation) {
-  const auto a = ReadForeignContent(words.a, !words.voxels_only, cancellation);
+  const auto a = ReadInputContent(words.a, !words.voxels_only, cancellation);
   if (!a.ok()) return a.status();
-  const auto b = ReadForeignContent(words.b, !words.voxels_only, cancellation);
+  const auto b = ReadInputContent(words.b, !words.voxels_only, cancellation);
   if (!b.ok()) return b.status();
   const bool both_have_distances = a->distances && b->distances;
   if (a->is_band != b->is_band && !both_have_distances && !words.voxels_only) {

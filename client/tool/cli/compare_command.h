@@ -29,9 +29,9 @@ struct Comparison {
 };
 
 // Compares two .vdb files: voxels, metadata, and the distances or attributes of the voxels that both have. With
-// --voxels compares only the voxels. Both files are in memory: see ReadForeignContent.
+// --voxels compares only the voxels. Both files are in memory: see ReadInputContent.
 // Writes the outputs, which appear only if everything succeeded.
-// Errors: as ReadForeignContent; INVALID_ARGUMENT: a band, and voxels without distances, unless --voxels; outputs, but
+// Errors: as ReadInputContent; INVALID_ARGUMENT: a band, and voxels without distances, unless --voxels; outputs, but
 // other positions; as WriteDifferences; CANCELLED.
 absl::StatusOr<Comparison> RunCompare(const CompareWords& words, const Cancellation& cancellation);
 

@@ -11,7 +11,7 @@
 #include "absl/strings/str_join.h"
 #include "client/tool/cli/common_options.h"
 #include "client/tool/cli/field_list.h"
-#include "client/tool/confined/foreign_grid.h"
+#include "client/tool/cli/grid_input.h"
 #include "client/tool/output/file_metadata.h"
 #include "client/tool/output/labels.h"
 #include "client/tool/output/outputs.h"
@@ -138,7 +138,7 @@ ConvertOptions Interpret(const ConvertWords& words) {
 
 absl::StatusOr<VoxelFile> ReadVoxelFile(const std::string& path, const std::optional<std::vector<Field>>& fields,
                                         const Cancellation& cancellation) {
-  auto content = ReadForeignContent(path, /*values=*/true, cancellation);
+  auto content = ReadInputContent(path, /*values=*/true, cancellation);
   if (!content.ok()) return content.status();
   if (fields) {
     if (auto status = Select(*fields, path, *content); !status.ok()) return status;

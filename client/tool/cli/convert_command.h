@@ -46,7 +46,7 @@ struct VoxelFile {
   OutputOptions output_options;  // metadata, page and picture
 };
 
-// Reads a .vdb or .nvdb file. `fields`: those to keep; absent: all. Errors: those of ReadForeignContent;
+// Reads a .vdb or .nvdb file. `fields`: those to keep; absent: all. Errors: those of ReadInputContent;
 // INVALID_ARGUMENT: the file lacks a field.
 absl::StatusOr<VoxelFile> ReadVoxelFile(const std::string& path, const std::optional<std::vector<Field>>& fields,
                                         const Cancellation& cancellation);

@@ -5,9 +5,9 @@
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "client/tool/cli/common_options.h"
+#include "client/tool/cli/grid_input.h"
 #include "client/tool/cli/progress_bar.h"
 #include "client/tool/cli/report.h"
-#include "client/tool/confined/foreign_grid.h"
 #include "client/tool/output/atomic_file.h"
 #include "client/tool/vdb/vdb.h"
 
@@ -52,7 +52,7 @@ absl::StatusOr<std::string> RunMerge(const MergeWords& words, const Cancellation
   const auto merged = (*vdb)->Merge(
       words.parts, (*file)->temporary(), cancellation,
       [&bar](double share, uint64_t bricks) { bar.Show(share, "bricks", bricks); },
-      [&cancellation](const std::string& path) { return ReadForeignContent(path, /*values=*/true, cancellation); });
+      [&cancellation](const std::string& path) { return ReadInputContent(path, /*values=*/true, cancellation); });
   if (!merged.ok()) return (*file)->Named(merged.status());
   if (auto status = (*file)->Sync(); !status.ok()) return status;
   if (cancellation.cancelled()) return absl::CancelledError("cancelled");

@@ -7,8 +7,8 @@
 #include "absl/time/clock.h"
 #include "client/internal/vec3.h"
 #include "client/tool/cli/common_options.h"
+#include "client/tool/cli/grid_input.h"
 #include "client/tool/cli/picture_style_option.h"
-#include "client/tool/confined/foreign_grid.h"
 #include "client/tool/output/atomic_file.h"
 #include "client/tool/output/file_metadata.h"
 #include "client/tool/output/picture_scene.h"
@@ -72,7 +72,7 @@ PictureOptions Interpret(const RenderWords& words) {
 absl::StatusOr<std::string> RunRender(const RenderWords& words, const PictureOptions& given) {
   const absl::Time start = absl::Now();
   const std::string& output = words.outputs.front();
-  auto content = ReadForeignContent(words.input, /*values=*/true, given.cancellation);
+  auto content = ReadInputContent(words.input, /*values=*/true, given.cancellation);
   if (!content.ok()) return content.status();
   if (auto status = SelectLabel(words.color_by, words.input, *content); !status.ok()) return status;
   const bool is_band = HoldsBand(*content);

@@ -13,7 +13,7 @@
 #include "absl/strings/str_join.h"
 #include "client/internal/vec3.h"
 #include "client/tool/cli/common_options.h"
-#include "client/tool/confined/foreign_grid.h"
+#include "client/tool/cli/grid_input.h"
 #include "client/tool/output/atomic_file.h"
 #include "client/tool/output/cell_index.h"
 #include "client/tool/output/field_columns.h"
@@ -190,7 +190,7 @@ Layer LayerOf(const GridTransform& grid, size_t axis, int32_t index) {
 }
 
 absl::StatusOr<std::string> RunSlice(const SliceWords& words, const Cancellation& cancellation) {
-  const auto content = ReadForeignContent(words.input, /*values=*/true, cancellation);
+  const auto content = ReadInputContent(words.input, /*values=*/true, cancellation);
   if (!content.ok()) return content.status();
   const auto place = CutOf(words, content->file.info);
   if (!place.ok()) return place.status();

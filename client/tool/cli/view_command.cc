@@ -4,7 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "client/tool/cli/common_options.h"
-#include "client/tool/confined/foreign_grid.h"
+#include "client/tool/cli/grid_input.h"
 #include "client/tool/output/atomic_file.h"
 #include "client/tool/output/file_metadata.h"
 #include "client/tool/view/page.h"
@@ -29,7 +29,7 @@ void Check(const ViewWords& words) {
 
 absl::StatusOr<std::string> RunView(const ViewWords& words, const Cancellation& cancellation) {
   const std::string& output = words.outputs.front();
-  const auto content = ReadForeignContent(words.input, /*values=*/true, cancellation);
+  const auto content = ReadInputContent(words.input, /*values=*/true, cancellation);
   if (!content.ok()) return content.status();
   const GridFileInfo& info = content->file.info;
   const UpAxis up = words.view_up.empty() ? UpOf(info) : ValueNamed(UpNames(), words.view_up);

@@ -13,6 +13,7 @@
 #include "client/tool/cli/abandoned_work.h"
 #include "client/tool/cli/common_options.h"
 #include "client/tool/cli/dims_resolution.h"
+#include "client/tool/cli/grid_input.h"
 #include "client/tool/cli/mesh_names.h"
 #include "client/tool/cli/mesh_upload.h"
 #include "client/tool/cli/option_words.h"
@@ -20,7 +21,6 @@
 #include "client/tool/cli/remote_files.h"
 #include "client/tool/cli/set_labels.h"
 #include "client/tool/cli/warnings.h"
-#include "client/tool/confined/foreign_grid.h"
 #include "client/tool/output/box_shape.h"
 #include "client/tool/output/output.h"
 #include "client/tool/output/outputs.h"
@@ -126,7 +126,7 @@ absl::Status Call(const Client& client, const VoxelizeOptions& options, const Me
 
 absl::Status Align(VoxelizeOptions& options, const Cancellation& cancellation) {
   if (options.align.empty()) return absl::OkStatus();
-  const auto info = ReadForeignInfo(options.align, cancellation);
+  const auto info = ReadInputInfo(options.align, cancellation);
   if (!info.ok()) return absl::Status(info.status().code(), absl::StrCat("align: ", info.status().message()));
   options.request.lattice = info->transform.basis;
   options.request.origin = info->transform.origin;
