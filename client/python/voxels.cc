@@ -210,8 +210,8 @@ absl::Status Write(const Voxels& voxels, const VoxelizeOptions& options, const C
 absl::Status SelectArray(const std::string& array, VoxelizeOptions& options) try {
   if (const WrongWord wrong = CheckFieldList(array); !wrong.text.empty()) Refuse("--array: ", wrong.text);
   options.output_options.array = ParseFieldList(array);
-  CheckArrayOutput(options.outputs, options.output_options);
   CheckArray(options.request.fields, options.output_options);
+  CheckArrayOutput(options.outputs, options.output_options, ToHoldOf(options.request));
   return absl::OkStatus();
 } catch (const UsageError& error) {
   return ToStatus(error);

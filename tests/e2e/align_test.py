@@ -55,6 +55,13 @@ class Align(Case):
         result = json.loads((self.dir / "out" / "results.jsonl").read_text().splitlines()[-1])
         self.assertRegex(result["error"]["message"], "^align: /.*first.vdb: no such file$")
 
+    def test_a_format_that_cannot_hold_the_grid_s_cells_is_refused_when_the_file_is_read(self):
+        for lattice, status in (("cartesian", 0), ("bcc", 3)):
+            self.voxelize(BUNNY, "--lattice", lattice, "--resolution", 9, out="first.vdb")
+            done = latvox("voxelize", BUNNY, "-o", self.dir / "o.vti", "--align", self.dir / "first.vdb")
+            self.assertEqual(done.returncode, status, done.stderr)
+        self.assertRegex(done.stderr, r"o.vti: the format holds boxes along the axes only, .*; .vdb .* .vtu .*can hold these voxels")
+
     def test_contradictions_and_files_without_a_grid_are_refused(self):
         self.voxelize(BUNNY, "--resolution", 9, out="first.vdb")
         for option in ("--resolution=9", "--voxel-size=1", "--lattice=bcc", "--basis=1,0,0,0,1,0,0,0,1", "--origin=0,0,0"):

@@ -372,15 +372,16 @@ class Science(ArrayCase):
     def test_convert_refuses_what_a_format_cannot_hold(self):
         self.write(BUNNY, [".vdb"], "--resolution", "12", "--lattice", "bcc", "--fields", "part,distance")
         for options, code, says in (
-            (["-o", "a.mha"], 3, "a.mha: cannot hold part,distance; .vdb .nvdb .csv .npy .npz .ply .png .html .vti .vtu .cells.vtu .h5 can, and --array selects some for this file"),
+            (["-o", "a.mha"], 3, "a.mha: cannot hold part,distance; .vdb .nvdb .csv .npy .npz .ply .png .html .vtu .cells.vtu .h5 can, and --array selects some for this file"),
             (["-o", "b.npy", "--npy", "dense"], 3, "cannot hold part,distance"),
-            (["-o", "b.csv", "-o", "a.vti"], 3, "a.vti: the format holds boxes along the axes only"),
+            (["-o", "b.csv", "-o", "a.vti"], 3, "a.vti: the format holds boxes along the axes only, those of --lattice cartesian; .vdb .nvdb .csv .npy .npz .ply .png .html .vtu .cells.vtu .h5 can hold these voxels"),
             (["-o", "b.csv", "--fields", "color"], 3, "a.vdb: has no field color"),
             (["-o", "b.csv", "--fields", "links"], 3, "a.vdb: has no field links"),
             (["-o", "b.csv", "--pad", "1"], 2, "--pad: needs an output with a shape"),
             (["-o", "b.links.csv"], 3, "b.links.csv: cannot hold part,distance; "),
             (["-o", "b.glb"], 3, " can, and --array selects some for this file"),
-            (["-o", "b.vox", "--array", "none"], 3, "b.vox: the format holds cubes along the axes only, those of --lattice cartesian with one --voxel-size; .npz and .glb hold any lattice"),
+            (["-o", "b.vox", "--array", "none"], 3, "b.vox: the format holds cubes along the axes only, those of --lattice cartesian with one --voxel-size; .vdb .nvdb .csv .npy .npz .ply .png .html .glb .vtu .cells.vtu .h5 .nrrd .mha .mhd .nii .nii.gz can hold these voxels"),
+            (["-o", "b.vox"], 3, "b.vox: the format holds cubes along the axes only"),
             (["-o", "b.nii", "--array", "color"], 3, "a.vdb: has no field color"),
             (["-o", "b.nii", "--fields", "part", "--array", "distance"], 2, "--array: distance is not among --fields"),
             (["-o", "b.csv", "--array", "part"], 2, "--array: needs an output that cannot hold all fields: .npy .glb"),

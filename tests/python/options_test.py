@@ -198,6 +198,33 @@ def test_array_selects_the_fields_of_files_of_one_array(tool, tmp_path, server):
             v.save(tmp_path / "a.nrrd", array=empty)
 
 
+@pytest.mark.parametrize(("lattice", "no_cubes"), [("cartesian", False), ("bcc", True)])
+def test_a_refusal_of_save_names_formats_that_hold_the_same_voxels(lattice, no_cubes, tmp_path, server):
+    mesh = write_obj(tmp_path / "mesh.obj", octahedron())
+    v = server.voxelize(mesh, resolution=9, lattice=lattice, fields=["part", "distance"])
+    v.save(tmp_path / "v.vdb")
+    refused = set()
+    for voxels in v, latvox.open(tmp_path / "v.vdb"):
+        for extension in latvox.EXTENSIONS:
+            for array in None, "part", "none":
+                try:
+                    voxels.save(tmp_path / f"a{extension}", array=array)
+                except latvox.InvalidArgument as error:
+                    named = [word for word in re.split("[ ;,]", str(error)) if word in latvox.EXTENSIONS]
+                    refused.add((extension, array, "along the axes only" in str(error)))
+                    assert named, error
+                    for other in named:
+                        options = {"npy": "dense"} if other == ".npy" and "npy dense" in str(error) else {}
+                        try:
+                            voxels.save(tmp_path / f"b{other}", array=array, **options)
+                        except latvox.InvalidArgument as second:
+                            assert "array: needs an output that cannot hold all fields" in str(second), error
+                            voxels.save(tmp_path / f"b{other}")
+    of_cubes = {(extension, array) for extension in (".vox", ".binvox") for array in (None, "part", "none")}
+    assert {(extension, array) for extension, array, by_lattice in refused if by_lattice} >= (of_cubes if no_cubes else set())
+    assert any(by_lattice for _, _, by_lattice in refused) == no_cubes
+
+
 def test_out_writes_files_and_align_reads_one(tool, tmp_path, server):
     mesh = write_obj(tmp_path / "mesh.obj", octahedron())
     v = server.voxelize(mesh, resolution=9, out=[tmp_path / "a.vdb", tmp_path / "a.npy"], npy="dense")

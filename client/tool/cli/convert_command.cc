@@ -50,6 +50,7 @@ VoxelizeRequest RequestOf(const GridContent& content, const std::vector<Field>& 
   const GridFileInfo& info = content.file.info;
   VoxelizeRequest request;
   request.fields = fields;
+  request.lattice = info.transform.basis;
   if (!content.distances || !HoldsBand(content)) return request;
   request.set = Band{.width = content.distances->most, .in_voxels = false};
   request.signed_distance = content.distances->is_signed;
@@ -58,15 +59,6 @@ VoxelizeRequest RequestOf(const GridContent& content, const std::vector<Field>& 
                                      : std::none_of(std::begin(kCutOut), std::end(kCutOut), is_cut);
   if (!whole) request.region = info.active_box.value_or(IndexBox());  // its band has no inside: see DistanceGrid
   return request;
-}
-
-absl::StatusOr<std::unique_ptr<Output>> Open(const std::string& path, const VoxelizeRequest& request,
-                                             const OutputOptions& options) {
-  const std::string why_not = WhyNotHeld(path, request.fields, options);
-  if (why_not.empty()) return OpenOutput(path, request, options);
-  const bool may_select = !request.fields.empty() && !IsLimited(path, options);
-  return absl::InvalidArgumentError(
-      absl::StrCat(path, ": ", why_not, may_select ? ", and --fields selects some for all files" : ""));
 }
 
 // Returns whether the metadatum is about the values of this field.
@@ -132,6 +124,7 @@ ConvertOptions Interpret(const ConvertWords& words) {
   ConvertOptions options = {words.input, words.outputs, std::nullopt, {}};
   if (!words.fields.empty()) options.fields = ParseFieldList(words.fields);
   InterpretShape(words.shape, words.outputs, options.output_options);
+  CheckShape(words.shape, words.outputs, options.output_options, std::nullopt);
   if (options.fields) CheckArray(*options.fields, options.output_options);
   return options;
 }
@@ -177,7 +170,7 @@ absl::StatusOr<std::string> RunConvert(const ConvertOptions& options, const Canc
   const GridFileInfo& info = file->content.file.info;
   Outputs outputs;
   for (const std::string& path : options.outputs) {
-    auto output = Open(path, file->request, output_options);
+    auto output = OpenOutput(path, file->request, output_options);
     if (!output.ok()) return output.status();
     (*output)->SetNames(ReadCarriedNames(info));
     if (auto status = (*output)->Begin(file->accepted); !status.ok()) return status;

@@ -108,6 +108,7 @@ absl::StatusOr<std::unique_ptr<Output>> RemoteFiles::Open(const std::string& out
   const auto object = options_.remote.objects.find(output);
   if (object == options_.remote.objects.end()) return OpenOutput(output, request, options);
   const std::string path = NextPath(object->second);
+  options.is_one_file = true;
   auto file = OpenOutput(path, request, options);
   if (!file.ok()) return Named(file.status());
   const auto notes = [this](const Summary& summary) -> ObjectNotes {

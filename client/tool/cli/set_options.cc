@@ -12,7 +12,6 @@
 #include "absl/strings/strip.h"
 #include "client/tool/cli/common_options.h"
 #include "client/tool/cli/set_labels.h"
-#include "client/tool/cli/shape_options.h"
 #include "client/tool/output/output.h"
 
 namespace latvox::client {
@@ -172,21 +171,6 @@ void InterpretBaseColors(const VoxelizeWords& words, VoxelizeOptions& options) {
     Refuse("--alpha-cutoff: cannot be combined with --verify, because it leaves holes in a set without tunnels");
   }
   ParseNumber(words.alpha_cutoff, options.alpha_cutoff.emplace());
-}
-
-// Refuses outputs that cannot hold the fields that they get.
-void CheckHeld(const VoxelizeOptions& options) {
-  const OutputOptions& of_outputs = options.output_options;
-  const std::vector<Field>& fields = options.request.fields;
-  CheckArray(fields, of_outputs);
-  for (const std::string& output : options.outputs) {
-    if (!HasExtension(output, OutputExtensions())) continue;  // another check names the extension
-    const std::string why_not = WhyNotHeld(output, fields, of_outputs);
-    if (why_not.empty()) continue;
-    if (fields.empty()) Refuse("--fields: ", output, " needs links, link_triangles or link_crossings");
-    const bool is_selected = of_outputs.array && IsLimited(output, of_outputs);
-    Refuse(is_selected ? "--array: " : "--fields: ", output, " ", why_not);
-  }
 }
 
 WrongWord CheckWidth(const std::string& text) {
@@ -396,7 +380,6 @@ void InterpretFields(const VoxelizeWords& words, VoxelizeOptions& options) {
   }
   InterpretRule(words, request);
   CheckOrder(options);
-  CheckHeld(options);
 }
 
 }  // namespace latvox::client

@@ -15,9 +15,7 @@ std::vector<OptionRow> SetRows(VoxelizeWords& words);
 // Returns the set that the words mean. Throws UsageError, as InterpretRequest.
 VoxelSet InterpretSet(const VoxelizeWords& words);
 
-// Writes the fields to `options`, and what they need. Throws UsageError, as InterpretRequest: an output cannot hold
-// them.
-//   options   otherwise complete
+// Writes the fields to `options`, and what they need. Throws UsageError, as InterpretRequest.
 void InterpretFields(const VoxelizeWords& words, VoxelizeOptions& options);
 
 }  // namespace latvox::client

@@ -1,6 +1,7 @@
 #include "client/tool/cli/shape_options.h"
 
 #include <algorithm>
+#include <iterator>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
@@ -18,6 +19,21 @@ WrongWord CheckDims(const std::string& text) {
   if (ParseNumbers(text, dims) && std::none_of(dims.begin(), dims.end(), is_wrong)) return "";
   const std::string range = absl::StrCat("1 to ", kMaxDim);
   return {absl::StrCat("\"", text, "\" is not 3 whole numbers from ", range, " with commas between them"), text, range};
+}
+
+bool IsNpy(const std::string& path) { return HasExtension(path, {".npy"}); }
+
+// Returns those of the formats that can hold the voxels, and what a .npy needs.
+std::string Listed(const std::vector<std::string>& formats, OutputOptions options,
+                   const std::optional<ToHold>& voxels) {
+  options.dense_npy = true;
+  std::vector<std::string> listed;
+  const std::vector<std::string> able = voxels ? AbleFormats(*voxels, options) : formats;
+  std::copy_if(formats.begin(), formats.end(), std::back_inserter(listed), [&able](const std::string& format) {
+    return std::find(able.begin(), able.end(), format) != able.end();
+  });
+  const bool has_npy = std::find(listed.begin(), listed.end(), ".npy") != listed.end();
+  return absl::StrCat(absl::StrJoin(listed, " "), has_npy ? "; for .npy, also --npy dense" : "");
 }
 
 }  // namespace
@@ -55,29 +71,35 @@ std::vector<OptionRow> ShapeRows(ShapeWords& words) {
 }
 
 void InterpretShape(const ShapeWords& words, const std::vector<std::string>& outputs, OutputOptions& options) {
-  const auto is_npy = [](const std::string& path) { return HasExtension(path, {".npy"}); };
-  if (!words.npy.empty() && std::none_of(outputs.begin(), outputs.end(), is_npy)) {
+  if (!words.npy.empty() && std::none_of(outputs.begin(), outputs.end(), IsNpy)) {
     Refuse("--npy: ", words.npy, " requires a .npy output, and --out names none");
   }
   options.dense_npy = words.npy == "dense";
   if (!words.dims.empty()) ParseNumbers(words.dims, options.shape.dims.emplace());
   if (!words.pad.empty()) ParseNumber(words.pad, options.shape.pad);
   if (!words.array.empty()) options.array = ParseFieldList(words.array);
+}
+
+void CheckShape(const ShapeWords& words, const std::vector<std::string>& outputs, const OutputOptions& options,
+                const std::optional<ToHold>& voxels) {
   if (words.is_for_memory) return;
-  if (options.array) CheckArrayOutput(outputs, options);
+  if (options.array) CheckArrayOutput(outputs, options, voxels);
   const auto has_shape = [&](const std::string& path) {
-    return HasExtension(path, ShapedExtensions()) && (options.dense_npy || !is_npy(path));
+    return HasExtension(path, ShapedExtensions()) && (options.dense_npy || !IsNpy(path));
   };
   if (options.shape == BoxShape() || std::any_of(outputs.begin(), outputs.end(), has_shape)) return;
   Refuse(words.dims.empty() ? "--pad" : "--dims",
-         ": needs an output with a shape: ", absl::StrJoin(ShapedExtensions(), " "), "; for .npy, also --npy dense");
+         ": needs an output with a shape: ", Listed(ShapedExtensions(), options, voxels));
 }
 
-void CheckArrayOutput(const std::vector<std::string>& outputs, const OutputOptions& options) {
+void CheckArrayOutput(const std::vector<std::string>& outputs, const OutputOptions& options,
+                      const std::optional<ToHold>& voxels) {
   const auto is_limited = [&options](const std::string& path) { return IsLimited(path, options); };
   if (std::any_of(outputs.begin(), outputs.end(), is_limited)) return;
-  Refuse("--array: needs an output that cannot hold all fields: ", absl::StrJoin(LimitedExtensions(), " "),
-         "; for .npy, also --npy dense");
+  const std::string able = Listed(LimitedExtensions(), options, voxels);
+  if (!able.empty()) Refuse("--array: needs an output that cannot hold all fields: ", able);
+  Refuse("--array: needs an output that cannot hold all fields, and no such format can hold ",
+         JoinNames(*options.array));
 }
 
 void CheckArray(const std::vector<Field>& fields, const OutputOptions& options) {

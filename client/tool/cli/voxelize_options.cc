@@ -14,9 +14,8 @@
 #include "client/tool/cli/request_words.h"
 #include "client/tool/cli/set_options.h"
 #include "client/tool/cli/shape_options.h"
-#include "client/tool/output/box_output.h"
 #include "client/tool/output/output.h"
-#include "client/tool/output/vtk_output.h"
+#include "client/tool/remote/remote_name.h"
 #include "client/tool/view/page.h"
 #include "latvox/stretched.h"
 
@@ -48,17 +47,24 @@ void InterpretVoxelSize(const VoxelizeWords& words, VoxelizeRequest& request) {
   }
 }
 
-// With --align, the lattice is unknown until the file is read.
-void CheckCells(const VoxelizeOptions& options) {
-  const std::variant<NamedLattice, Basis>& lattice = options.request.lattice;
-  const Basis* basis = std::get_if<Basis>(&lattice);
-  const bool is_named = basis == nullptr && std::get<NamedLattice>(lattice) == NamedLattice::kCartesian;
-  const bool cubes = basis != nullptr ? IsCubic(*basis) : is_named;
-  const bool boxes = basis != nullptr ? IsAlongAxes(*basis) : is_named;
-  for (const std::string& output : options.outputs) {
-    if (!cubes && HasExtension(output, {".binvox", ".vox"})) Refuse("--out: ", output, ": ", kCubesOnly);
-    if (!boxes && HasExtension(output, {".vti"})) Refuse("--out: ", output, ": ", kBoxesOnly);
+// Refuses outputs that cannot hold the voxels. With --align, their lattice is unknown until the file is read.
+void CheckHeld(const VoxelizeOptions& options, const ShapeWords& words) {
+  ToHold voxels = ToHoldOf(options.request);
+  if (!options.align.empty()) voxels.basis.reset();
+  CheckArray(voxels.fields, options.output_options);
+  for (size_t n = 0; n < options.outputs.size(); ++n) {
+    const std::string& output = options.outputs[n];
+    OutputOptions of_output = options.output_options;
+    of_output.is_one_file = n == options.standard_output || IsRemote(output);
+    if (!HasExtension(output, OutputExtensions())) continue;  // another check names the extension
+    const auto not_held = WhyNotHeld(output, voxels, of_output);
+    if (!not_held) continue;
+    if (not_held->is_lattice) Refuse("--out: ", output, ": ", not_held->text);
+    if (voxels.fields.empty()) Refuse("--fields: ", output, " needs links, link_triangles or link_crossings");
+    const bool is_selected = of_output.array && IsLimited(output, of_output);
+    Refuse(is_selected ? "--array: " : "--fields: ", output, " ", not_held->text);
   }
+  CheckShape(words, options.outputs, options.output_options, voxels);
 }
 
 // Reads --separability. 26, 18 and 6 count a voxel's neighbors, which is right only on the Cartesian lattice. With
@@ -190,7 +196,6 @@ VoxelizeOptions InterpretRequest(const VoxelizeWords& words) {
   request.set = InterpretSet(words);
   request.separability = InterpretSeparability(words, request.lattice);
   InterpretVoxelSize(words, request);
-  CheckCells(options);
   if (!words.resolution.empty()) ParseNumber(words.resolution, request.resolution.emplace());
   if (!words.placement.empty()) request.placement = ValueNamed(PlacementNames(), words.placement);
   if (!words.origin.empty()) ParseNumbers(words.origin, request.origin.emplace());
@@ -201,6 +206,7 @@ VoxelizeOptions InterpretRequest(const VoxelizeWords& words) {
   if (!words.up_axis.empty()) options.output_options.picture_up = UpAxis::kZ;
   InterpretUpload(words, options);
   InterpretFields(words, options);
+  CheckHeld(options, words.shape);
   options.output_options.note = NoteOf(options, words);
   options.output_options.make_page = ViewPage;
   if (words.basis.empty() && options.align.empty() && words.voxel_size.empty() && !request.resolution) {

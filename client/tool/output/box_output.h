@@ -12,8 +12,7 @@ namespace latvox::client {
 
 // The error for other lattices.
 inline constexpr char kCubesOnly[] =
-    "the format holds cubes along the axes only, those of --lattice cartesian with one --voxel-size; .npz and .glb "
-    "hold any lattice";
+    "the format holds cubes along the axes only, those of --lattice cartesian with one --voxel-size";
 
 // Returns whether the basis vectors are multiples of x, y and z, in this order and direction, up to the rounding of a
 // scaled basis: the cells are boxes along the axes.

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <functional>
 #include <optional>
 #include <utility>
 #include <variant>
@@ -15,6 +14,7 @@
 #include "client/tool/output/atomic_file.h"
 #include "client/tool/output/box_output.h"
 #include "client/tool/output/dense_output.h"
+#include "client/tool/output/grid_output.h"
 #include "client/tool/output/hdf5_output.h"
 #include "client/tool/output/image_output.h"
 #include "client/tool/output/link_output.h"
@@ -26,102 +26,16 @@
 #include "client/tool/output/vox_output.h"
 #include "client/tool/output/voxel_colors.h"
 #include "client/tool/output/vtk_output.h"
-#include "client/tool/vdb/brick_grid.h"
 #include "client/tool/vdb/vdb.h"
-#include "latvox/error.h"
+#include "latvox/stretched.h"
 
 namespace latvox::client {
 namespace {
 
-// A set of voxels alone is written without OpenVDB.
-bool NeedsOpenVdb(VdbFormat format, const std::vector<Field>& fields) {
-  return format != VdbFormat::kOpenVdb || !fields.empty();
-}
-
-class GridOutput final : public Output {
- public:
-  using NewGrid = std::function<Vdb::NewGrid(const Vdb*, const Accepted&)>;  // null if NeedsOpenVdb is false
-
-  GridOutput(std::unique_ptr<AtomicFile> file, VdbFormat format, const VoxelizeRequest& request,
-             const OutputOptions& options, NewGrid new_grid)
-      : file_(std::move(file)),
-        format_(format),
-        request_(request),
-        note_(options.note),
-        metadata_(options.metadata),
-        new_grid_(std::move(new_grid)) {}
-
-  void SetNames(const CarriedNames& names) override { names_ = names; }
-  absl::Status Begin(const Accepted& accepted) override {
-    const Vdb* loaded = nullptr;
-    if (NeedsOpenVdb(format_, request_.fields)) {
-      const auto vdb = Vdb::Load();
-      if (!vdb.ok()) return vdb.status();
-      loaded = *vdb;
-    }
-    auto grid = new_grid_(loaded, accepted);
-    if (!grid.ok()) return Named(grid.status());
-    grid_ = *std::move(grid);
-    note_.facts = accepted.mesh;
-    request_.placement = accepted.placement;  // the metadata state it, whatever a later version's default is
-    return absl::OkStatus();
-  }
-  absl::Status Add(const BrickBatch& batch) override { return grid_->Add(batch); }
-  absl::Status Finish(const Summary& summary) override {
-    if (!note_.quantization) note_.quantization = static_cast<int>(summary.certificate.quantization_bits);
-    if (metadata_) {
-      grid_->SetMetadata(*metadata_);
-    } else {
-      grid_->Describe(request_, note_, names_, summary);
-    }
-    const absl::Status written = grid_->Write(file_->temporary(), format_, file_->cancellation());
-    if (!written.ok()) return file_->Named(written);
-    return file_->Sync();
-  }
-  absl::Status Commit() override { return file_->Commit(); }
-
- private:
-  // Returns the error with the target before it.
-  absl::Status Named(const absl::Status& status) const {
-    absl::Status named(status.code(), absl::StrCat(file_->target(), ": ", status.message()));
-    SetErrorDetails(GetErrorDetails(status), named);
-    return named;
-  }
-
-  std::unique_ptr<AtomicFile> file_;
-  const VdbFormat format_;
-  VoxelizeRequest request_;
-  MeshNote note_;
-  const std::optional<MetadataPairs> metadata_;
-  const NewGrid new_grid_;
-  CarriedNames names_;
-  std::unique_ptr<VdbGrid> grid_;
-};
-
-// Returns what makes the grid of a file. A band with distances alone is a level set, as far as it is one.
-GridOutput::NewGrid NewGridFor(VdbFormat format, const VoxelizeRequest& request) {
-  const std::vector<Field>& fields = request.fields;
-  if (!NeedsOpenVdb(format, fields))
-    return [](const Vdb*, const Accepted& accepted) { return NewBrickGrid(accepted.grid); };
-  if (fields.empty()) return [](const Vdb* vdb, const Accepted& accepted) { return vdb->NewVoxelGrid(accepted.grid); };
-  const auto* const band = std::get_if<Band>(&request.set);
-  if (band == nullptr || fields != std::vector<Field>{Field::kDistance}) {
-    return [fields](const Vdb* vdb, const Accepted& accepted) {
-      return vdb->NewFieldGrids(accepted.grid, fields, accepted.fraction_labels, accepted.neighbors);
-    };
-  }
-  const bool whole = !request.region && !request.bounds && !request.shard;
-  return [band = *band, is_signed = request.signed_distance, whole](const Vdb* vdb, const Accepted& accepted) {
-    const GridTransform& grid = accepted.grid;
-    const double width = band.in_voxels ? band.width * grid.voxel_size : band.width;
-    return vdb->NewDistanceGrid(grid, width, is_signed, whole);
-  };
-}
-
 template <VdbFormat format>
 std::unique_ptr<Output> NewVdbOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request,
                                      const OutputOptions& options) {
-  return std::make_unique<GridOutput>(std::move(file), format, request, options, NewGridFor(format, request));
+  return NewGridOutput(std::move(file), format, request, options);
 }
 
 std::unique_ptr<Output> NewPngOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request,
@@ -205,10 +119,20 @@ enum class Holds {
   kAll,
 };
 
+// The cells that a format holds, and what the refusal of others says.
+struct CellKind {
+  bool (*includes)(const Basis& basis);
+  const char* only;
+};
+
+constexpr CellKind kCubes = {IsCubic, kCubesOnly}, kBoxes = {IsAlongAxes, kBoxesOnly};
+constexpr const CellKind* kAnyCells = nullptr;
+
 struct Format {
   const char *extension, *what;
   NewOutput open;
   Holds holds;
+  const CellKind* cells = kAnyCells;
   bool is_placed = true;    // it tells where in the world the voxels are
   bool by_openvdb = false;  // a .html is made of a .vdb, which is read
 };
@@ -219,17 +143,18 @@ constexpr char kVdb[] = ".vdb", kCsv[] = ".csv", kNpy[] = ".npy", kPly[] = ".ply
 
 constexpr Format kFormats[] = {
     {kVdb, "OpenVDB", NewVdbOutput<VdbFormat::kOpenVdb>, Holds::kAll},
-    {".nvdb", "NanoVDB", NewVdbOutput<VdbFormat::kNanoVdb>, Holds::kAll, /*is_placed=*/true, /*by_openvdb=*/true},
+    {".nvdb", "NanoVDB", NewVdbOutput<VdbFormat::kNanoVdb>, Holds::kAll, kAnyCells, /*is_placed=*/true,
+     /*by_openvdb=*/true},
     {kCsv, "table", NewTable<kCsv>, Holds::kAll},
-    {kNpy, "NumPy", NewNpyOutput, Holds::kAll, /*is_placed=*/false},
+    {kNpy, "NumPy", NewNpyOutput, Holds::kAll, kAnyCells, /*is_placed=*/false},
     {".npz", "NumPy, dense and placed", NewArchiveOutput, Holds::kAll},
     {kPly, "points", NewTable<kPly>, Holds::kAll},
-    {".png", "picture", NewPngOutput, Holds::kAll, /*is_placed=*/false},
-    {".html", "page", NewHtmlOutput, Holds::kAll, /*is_placed=*/true, /*by_openvdb=*/true},
+    {".png", "picture", NewPngOutput, Holds::kAll, kAnyCells, /*is_placed=*/false},
+    {".html", "page", NewHtmlOutput, Holds::kAll, kAnyCells, /*is_placed=*/true, /*by_openvdb=*/true},
     {".glb", "surface of cells", NewFacetOutput, Holds::kPainted},
-    {".binvox", "binvox", NewCubeOutput, Holds::kNone},
-    {".vox", "MagicaVoxel", NewSceneOutput, Holds::kPainted, /*is_placed=*/false},
-    {".vti", "VTK, cells of a box", NewCellOutput, Holds::kAll},
+    {".binvox", "binvox", NewCubeOutput, Holds::kNone, &kCubes},
+    {".vox", "MagicaVoxel", NewSceneOutput, Holds::kPainted, &kCubes, /*is_placed=*/false},
+    {".vti", "VTK, cells of a box", NewCellOutput, Holds::kAll, &kBoxes},
     {".vtu", "VTK, points", NewGridOfCells<VtuForm::kPoints>, Holds::kAll},
     {kCellsVtu, "VTK, Voronoi cells", NewGridOfCells<VtuForm::kCells>, Holds::kAll},
     {".h5", "HDF5", NewHdf5Output, Holds::kAll},
@@ -246,7 +171,7 @@ Holds WhatHolds(const Format& format, const OutputOptions& options) {
   return options.dense_npy && format.extension == kNpy ? Holds::kOne : format.holds;
 }
 
-bool CanHold(const Format& format, const std::vector<Field>& fields, const OutputOptions& options) {
+bool HoldsFields(const Format& format, const std::vector<Field>& fields, const OutputOptions& options) {
   const Holds holds = WhatHolds(format, options);
   if (holds == Holds::kLinks) {
     const auto is_of_links = [](Field field) { return FactsOf(field).is_of_links(); };
@@ -270,17 +195,24 @@ const Format* FormatOf(const std::string& path) {
   return format == std::end(kFormats) ? nullptr : format;
 }
 
-std::vector<Field> FieldsIn(const std::string& path, const std::vector<Field>& fields, const OutputOptions& options) {
-  return options.array && IsLimited(path, options) ? *options.array : fields;
+// Returns the fields that a file of the format gets.
+std::vector<Field> FieldsIn(const Format& format, const std::vector<Field>& fields, const OutputOptions& options) {
+  return options.array && WhatHolds(format, options) != Holds::kAll ? *options.array : fields;
+}
+
+bool CanHold(const Format& format, const ToHold& voxels, const OutputOptions& options) {
+  if (format.cells != kAnyCells && !(voxels.basis && format.cells->includes(*voxels.basis))) return false;
+  if (options.is_one_file && format.extension == kMhd) return false;
+  return HoldsFields(format, FieldsIn(format, voxels.fields, options), options);
 }
 
 // Returns how --array makes the file hold some of the fields that it cannot hold together, or "".
-const char* WhatArraySelects(const std::string& path, const std::vector<Field>& fields, const OutputOptions& options) {
-  if (options.array || !IsLimited(path, options)) return "";
-  const auto fits = [&](Field field) { return CanHold(*FormatOf(path), {field}, options); };
+const char* WhatArraySelects(const Format& format, const std::vector<Field>& fields, const OutputOptions& options) {
+  if (options.array) return "";
+  const auto fits = [&](Field field) { return HoldsFields(format, {field}, options); };
   const bool any_fits = std::any_of(fields.begin(), fields.end(), fits);
   if (any_fits) return ", and --array selects some for this file";
-  return CanHold(*FormatOf(path), {}, options) ? ", and --array none leaves them out of this file" : "";
+  return HoldsFields(format, {}, options) ? ", and --array none leaves them out of this file" : "";
 }
 
 }  // namespace
@@ -331,16 +263,30 @@ bool IsLimited(const std::string& path, const OutputOptions& options) {
   return format != nullptr && WhatHolds(*format, options) != Holds::kAll;
 }
 
-std::string WhyNotHeld(const std::string& path, const std::vector<Field>& fields, const OutputOptions& options) {
-  const std::vector<Field> in_file = FieldsIn(path, fields, options);
+std::vector<std::string> AbleFormats(const ToHold& voxels, const OutputOptions& options) {
   std::vector<std::string> able;
   for (const Format& format : kFormats) {
-    if (CanHold(format, in_file, options)) able.emplace_back(format.extension);
+    if (CanHold(format, voxels, options)) able.emplace_back(format.extension);
   }
-  if (HasExtension(path, able)) return "";
+  return able;
+}
+
+std::optional<NotHeld> WhyNotHeld(const std::string& path, const ToHold& voxels, const OutputOptions& options) {
+  const Format& format = *FormatOf(path);
+  const std::string able = absl::StrJoin(AbleFormats(voxels, options), " ");
+  if (format.cells != kAnyCells && voxels.basis && !format.cells->includes(*voxels.basis)) {
+    return NotHeld{true, absl::StrCat(format.cells->only, "; ", able, " can hold these voxels")};
+  }
+  const std::vector<Field> in_file = FieldsIn(format, voxels.fields, options);
+  if (HoldsFields(format, in_file, options)) return std::nullopt;
   const std::string held = in_file.empty() ? "voxels without links" : JoinNames(in_file);
-  return absl::StrCat("cannot hold ", held, "; ", absl::StrJoin(able, " "), " can",
-                      WhatArraySelects(path, fields, options));
+  return NotHeld{
+      false, absl::StrCat("cannot hold ", held, "; ", able, " can", WhatArraySelects(format, voxels.fields, options))};
+}
+
+ToHold ToHoldOf(const VoxelizeRequest& request) {
+  const auto* const basis = std::get_if<Basis>(&request.lattice);
+  return {request.fields, basis != nullptr ? *basis : Stretched(std::get<NamedLattice>(request.lattice), {1, 1, 1})};
 }
 
 std::vector<std::pair<std::string, std::string>> StreamedFormats() {
@@ -370,10 +316,11 @@ absl::StatusOr<std::unique_ptr<Output>> OpenOutput(const std::string& path, cons
     return absl::InvalidArgumentError(absl::StrCat(path, ": extension \"", ExtensionOf(path), "\" is not one of ",
                                                    absl::StrJoin(OutputExtensions(), " ")));
   }
-  const std::string why_not = WhyNotHeld(path, request.fields, options);
-  if (!why_not.empty()) return absl::InvalidArgumentError(absl::StrCat(path, ": ", why_not));
+  if (const auto not_held = WhyNotHeld(path, ToHoldOf(request), options)) {
+    return absl::InvalidArgumentError(absl::StrCat(path, ": ", not_held->text));
+  }
   VoxelizeRequest of_file = request;
-  of_file.fields = FieldsIn(path, request.fields, options);
+  of_file.fields = FieldsIn(*format, request.fields, options);
   const bool is_with_fields = format->extension == kVdb && NeedsOpenVdb(VdbFormat::kOpenVdb, of_file.fields);
   if (format->by_openvdb || is_with_fields) {
     if (auto status = Vdb::Prepare(); !status.ok()) return status;

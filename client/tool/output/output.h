@@ -55,7 +55,20 @@ struct OutputOptions {
   MeshNote note = {};                                      // of the mesh, for the metadata of grids
   MakePage make_page = nullptr;                            // of a .html, which needs it
   std::optional<MetadataPairs> metadata = std::nullopt;    // of grids, in place of request, note and summary
+  bool is_one_file = false;                                // the file is sent on, so another could not go with it
   Cancellation cancellation = {};                          // ends the writing within a moment
+};
+
+// What voxels ask of a format.
+struct ToHold {
+  std::vector<Field> fields;
+  std::optional<Basis> basis;  // of the lattice, at any scale; absent: it is not known yet
+};
+
+// Why a file cannot hold voxels: because of their lattice or of their fields.
+struct NotHeld {
+  bool is_lattice;
+  std::string text;
 };
 
 // Returns the extension, with the dot, in lower case: also the double ones, such as ".nii.gz" and ".links.csv".
@@ -83,9 +96,17 @@ bool IsLimited(const std::string& path, const OutputOptions& options);
 // Returns the names with commas between them: "part,distance".
 std::string JoinNames(const std::vector<Field>& fields);
 
-// Returns "" if the output can hold or show voxels with these fields, or those of them that it gets. Otherwise says
-// what it cannot hold, and what can: "cannot hold part,distance; .vdb .csv can".
-std::string WhyNotHeld(const std::string& path, const std::vector<Field>& fields, const OutputOptions& options);
+// Returns what the request's voxels ask of a format.
+ToHold ToHoldOf(const VoxelizeRequest& request);
+
+// Returns the extensions of the formats that hold or show such voxels with these options. Without a basis, they hold
+// them on each lattice.
+std::vector<std::string> AbleFormats(const ToHold& voxels, const OutputOptions& options);
+
+// Returns nothing if the output can hold or show such voxels, with those of their fields that it gets. Otherwise the
+// text says what it cannot hold, and which formats can: "cannot hold part,distance; .vdb .csv can". Without a basis,
+// only fields count. Precondition: the path has one of OutputExtensions.
+std::optional<NotHeld> WhyNotHeld(const std::string& path, const ToHold& voxels, const OutputOptions& options);
 
 // Returns the warning NO_TRANSFORM if a .npy is among the paths, and none of the files tells where in the world the
 // voxels are. Otherwise returns nothing.
@@ -107,7 +128,7 @@ std::optional<Warning> WarningOfPlace(const std::vector<std::string>& paths);
 //   .links.csv, .links.npz   crossed links: see client/tool/output/link_output.h
 //   .vti, .vtu, .cells.vtu   cells of a box, points, and Voronoi cells: see client/tool/output/vtk_output.h
 //   .nrrd, .mha, .mhd, .nii, .nii.gz   images in space, see client/tool/output/image_output.h
-// WhyNotHeld tells which fields do not fit.
+// WhyNotHeld tells which fields and lattices do not fit.
 // Columns are those of client/tool/output/field_columns.h. label_fractions is an array, a grid, a column or a member
 // for each label, with FractionName, and in a .h5 an array with a column for each:
 //   .vdb, .nvdb   one more grid for each, see latvox/grid/field_grids.h; a band with distances alone, see
@@ -126,8 +147,8 @@ std::optional<Warning> WarningOfPlace(const std::vector<std::string>& paths);
 // Voxels come in the order of the stream, those of a brick in lexicographic order. Memory does not grow with the
 // voxels, except for .vdb, .nvdb, .html, .glb, .binvox, .vox, .vtu, .links.npz and dense arrays: .npy, .npz, .vti
 // and images.
-// Errors: INVALID_ARGUMENT: the extension; the fields, see WhyNotHeld; FAILED_PRECONDITION: the file cannot be created;
-// of .vdb with fields, .nvdb and .html, those of Vdb::Prepare, and later those of Vdb::Load.
+// Errors: INVALID_ARGUMENT: the extension; fields or lattice, see WhyNotHeld; FAILED_PRECONDITION: the file cannot be
+// created; of .vdb with fields, .nvdb and .html, those of Vdb::Prepare, and later those of Vdb::Load.
 absl::StatusOr<std::unique_ptr<Output>> OpenOutput(const std::string& path, const VoxelizeRequest& request = {},
                                                    const OutputOptions& options = {});
 

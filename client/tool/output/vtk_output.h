@@ -12,8 +12,7 @@
 namespace latvox::client {
 
 // The error of .vti for other lattices.
-inline constexpr char kBoxesOnly[] =
-    "the format holds boxes along the axes only; use --lattice cartesian, or .vtu for any lattice";
+inline constexpr char kBoxesOnly[] = "the format holds boxes along the axes only, those of --lattice cartesian";
 
 // .vti: an image whose cells are the lattice points of a box. So the center of a cell is the position of its voxel, and
 // a filter such as Threshold shows the voxels as they are. Cell data: `data`, then the fields, those of links with a

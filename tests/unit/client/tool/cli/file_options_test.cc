@@ -1,12 +1,18 @@
 // The command line: files and their shapes.
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "absl/strings/match.h"
+#include "absl/strings/str_join.h"
+#include "absl/strings/str_split.h"
 #include "client/tool/cli/field_list.h"
+#include "client/tool/output/output.h"
 #include "tests/unit/client/tool/cli/parsed.h"
 
 namespace latvox::client {
@@ -129,6 +135,132 @@ TEST(FileOptions, ImagesHoldOneFieldAndCellsBoxes) {
   Refuses({"--resolution", "9", "--fields", "links", "-o", "a.glb"},
           {"links", ".vdb .nvdb .csv .npy .npz .ply .png .html .vti .vtu .cells.vtu .h5 .links.csv .links.npz .nrrd"});
   Refuses({"--resolution", "9", "--lattice", "bcc", "-o", "a.VTI"}, {"a.VTI", "--lattice cartesian", ".vtu"});
+}
+
+using Words = std::vector<std::string>;
+
+Words Joined(const std::vector<Words>& parts) {
+  Words all;
+  for (const Words& words : parts) all.insert(all.end(), words.begin(), words.end());
+  return all;
+}
+
+// A format, and whether its --npy is dense.
+using Form = std::pair<std::string, bool>;
+
+// Returns the refusal of a call with this file alone. Words that only other formats take are left out.
+std::string RefusalOf(const Form& form, const Words& call, const Words& array) {
+  const auto& [extension, dense] = form;
+  const std::string path = "a" + extension;
+  Words words = Joined({{"voxelize", "a.obj", "-o", path}, call});
+  if (dense) words = Joined({words, {"--npy", "dense"}});
+  return RefusalOfAll(IsLimited(path, {.dense_npy = dense}) ? Joined({words, array}) : words);
+}
+
+std::vector<Form> AllForms() {
+  std::vector<Form> forms = {{".npy", true}};
+  for (const std::string& extension : OutputExtensions()) forms.emplace_back(extension, false);
+  return forms;
+}
+
+// Returns the formats that a refusal names.
+Words Named(const std::string& refusal) {
+  Words named;
+  for (const absl::string_view word : absl::StrSplit(refusal, absl::ByAnyChar(" ;,"))) {
+    const auto& known = OutputExtensions();
+    if (std::find(known.begin(), known.end(), word) != known.end()) named.emplace_back(word);
+  }
+  return named;
+}
+
+const std::vector<Words> kLattices = {{},
+                                      {"--lattice", "bcc"},
+                                      {"--lattice", "hexagonal"},
+                                      {"--voxel-size", "1,1,2"},
+                                      {"--lattice", "fcc", "--voxel-size", "1,1,2"},
+                                      {"--basis", "1,0,0,0,1,0,0,0,2"},
+                                      {"--basis", "1,0,0,0.2,1,0,0.1,0,1"},
+                                      {"--align", "b.vdb"}};
+const std::vector<Words> kSets = {{}, {"--band", "2v"}, {"--set", "solid", "--labels", "part"}, {"--set", "links"}};
+const char* const kFieldLists[] = {"",
+                                   "part",
+                                   "color",
+                                   "distance",
+                                   "normal,distance",
+                                   "part,material",
+                                   "part,distance",
+                                   "links",
+                                   "links,link_triangles",
+                                   "distance,links"};
+const std::vector<Words> kArrays = {{}, {"--array", "none"}, {"--array", "part"}, {"--array", "distance"}};
+
+TEST(FileOptions, RefusalsOfFormatsNameOnlyFormatsThatHoldTheSameCall) {
+  std::map<bool, size_t> answers;  // whether accepted
+  for (const Words& lattice : kLattices) {
+    for (const Words& set : kSets) {
+      for (const char* const fields : kFieldLists) {
+        const Words call = Joined({lattice, set, *fields != 0 ? Words{"--fields", fields} : Words{}});
+        for (const Words& array : kArrays) {
+          std::map<Form, std::string> refusals;
+          for (const Form& form : AllForms()) refusals[form] = RefusalOf(form, call, array);
+          for (const auto& [form, refusal] : refusals) {
+            ++answers[refusal == "accepted"];
+            if (refusal == "accepted" || absl::StrContains(refusal, "is not among --fields")) continue;
+            SCOPED_TRACE(testing::Message()
+                         << absl::StrJoin(call, " ") << " " << absl::StrJoin(array, " ") << ": " << refusal);
+            const Words named = Named(refusal);
+            EXPECT_EQ(named.empty(), absl::StrContains(refusal, "needs links, "));
+            for (const std::string& other : named) EXPECT_EQ(refusals.at({other, false}), "accepted") << other;
+          }
+        }
+      }
+    }
+  }
+  EXPECT_GT(answers[true], 1000U);
+  EXPECT_GT(answers[false], 1000U);
+}
+
+// Options of arrays name formats, too.
+TEST(FileOptions, OptionsOfArraysNameOnlyFormatsThatHoldTheSameCall) {
+  for (const Words& lattice : kLattices) {
+    for (const char* const fields : kFieldLists) {
+      const Words call = Joined({lattice, *fields != 0 ? Words{"--fields", fields} : Words{}});
+      for (const Words& about : {Words{"--array", *fields != 0 ? fields : "none"}, Words{"--pad", "1"}}) {
+        const std::string refusal = RefusalOfAll(Joined({{"voxelize", "a.obj", "-o", "a.csv"}, call, about}));
+        SCOPED_TRACE(absl::StrJoin(call, " ") + ": " + refusal);
+        const bool is_array = about[0] == "--array";
+        EXPECT_THAT(refusal, HasSubstr(about[0] + ": needs an output "));
+        const Words named = Named(refusal);
+        for (const Form& form : AllForms()) {
+          const auto& [extension, dense] = form;
+          const Words npy = dense ? Words{"--npy", "dense"} : Words{};
+          const Words words = Joined({{"voxelize", "a.obj", "-o", "a" + extension}, call, about, npy});
+          const bool is_named = std::find(named.begin(), named.end(), extension) != named.end();
+          // With --align, a format is named if it holds each lattice.
+          const bool is_certain = lattice.empty() || lattice[0] != "--align";
+          const std::string other = RefusalOfAll(words);
+          if (extension == ".npy" && !dense) continue;
+          if (is_named || is_certain) {
+            EXPECT_EQ(other == "accepted", is_named) << extension << ": " << other;
+          }
+        }
+        const bool says_none = absl::StrContains(refusal, "no such format can hold");
+        EXPECT_EQ(named.empty(), says_none);
+        EXPECT_TRUE(is_array || !says_none);
+      }
+    }
+  }
+  EXPECT_EQ(RefusalOfAll({"voxelize", "a.obj", "-o", "a.csv", "--fields", "part,distance", "--array", "part,distance"}),
+            "--array: needs an output that cannot hold all fields, and no such format can hold part,distance");
+}
+
+TEST(FileOptions, WhatIsSentOnIsNamedOnlyAsOneFile) {
+  const Words call = {"voxelize", "a.obj", "--fields", "part,material"};
+  for (const Words& output : {Words{"-o", "-", "--output-format", "nii"}, Words{"-o", "s3://bucket/a.nii"}}) {
+    EXPECT_THAT(Named(RefusalOfAll(Joined({call, output}))),
+                testing::AllOf(testing::Contains(".mha"), testing::Not(testing::Contains(".mhd"))));
+  }
+  EXPECT_THAT(Named(RefusalOfAll(Joined({call, {"-o", "a.nii"}}))), testing::Contains(".mhd"));
 }
 
 // Otherwise a mesh that follows would be overwritten.
