@@ -10,6 +10,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "client/internal/file_error.h"
 #include "client/internal/printable.h"
 #include "client/mesh_files/bad_elements.h"
 #include "client/mesh_files/decode.h"
@@ -109,8 +110,9 @@ absl::StatusOr<Mesh> ReadMesh(const std::string& path, const ParseOptions& optio
   }
   const auto format = FormatOfPath(path);
   if (!format) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        path, ": mesh format \"", std::filesystem::path(path).extension().string(), "\" is not one of ", Known()));
+    const std::string extension = std::filesystem::path(path).extension().string();
+    const std::string text = absl::StrCat(path, ": mesh format \"", extension, "\" is not one of ", Known());
+    return WithFile(absl::InvalidArgumentError(text), "mesh", path, Known());
   }
   auto bytes = ReadBytes(path);
   if (!bytes.ok()) return bytes.status();

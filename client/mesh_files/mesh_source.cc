@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "client/internal/file_error.h"
 #include "client/mesh/affine.h"
 #include "client/mesh/mesh_attributes.h"
 #include "client/mesh_files/decode.h"
@@ -96,7 +97,8 @@ absl::StatusOr<MeshOrDraco> ReadMeshSource(const MeshSource& input) {
   Mesh joined;
   for (const std::string& path : input.paths) {
     auto read = ReadOne(path, input, keep_draco);
-    if (!read.ok() || std::holds_alternative<std::string>(*read)) return read;
+    if (!read.ok()) return WithFile(read.status(), "mesh", path);
+    if (std::holds_alternative<std::string>(*read)) return read;
     for (Warning& warning : std::get<Mesh>(*read).warnings) {
       warning.message = absl::StrCat(NameOfInput(path), ": ", warning.message);
     }

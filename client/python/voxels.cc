@@ -15,6 +15,7 @@
 #include "client/tool/output/field_columns.h"
 #include "client/tool/output/outputs.h"
 #include "latvox/dense.h"
+#include "latvox/error.h"
 #include "latvox/for_each_voxel.h"
 
 namespace latvox::client::python {
@@ -217,6 +218,14 @@ absl::Status SelectArray(const std::string& array, VoxelizeOptions& options) try
   return ToStatus(error);
 }
 
+// Returns the error with the name of Save's argument.
+absl::Status OfPath(absl::Status error) {
+  ErrorDetails details = GetErrorDetails(error);
+  if (details.field == "--out") details.field = "path";
+  SetErrorDetails(details, error);
+  return error;
+}
+
 }  // namespace
 
 py::list Save(const Voxels& voxels, const std::string& path, bool dense_npy, const std::string& array,
@@ -231,7 +240,7 @@ py::list Save(const Voxels& voxels, const std::string& path, bool dense_npy, con
   Check(NameRemoteOutputs(options.outputs, options.remote));  // first: the query of a URL hides the extension
   if (!array.empty()) Check(SelectArray(array, options));
   std::vector<Warning> warnings;
-  RunOnFiles([&](Work& work) { return Write(voxels, options, work.cancellation(), warnings); });
+  RunOnFiles([&](Work& work) { return OfPath(Write(voxels, options, work.cancellation(), warnings)); });
   return ListOf(warnings);
 }
 

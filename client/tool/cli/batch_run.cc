@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/time/clock.h"
@@ -18,6 +19,7 @@
 #include "client/tool/output/temporary_name.h"
 #include "client/tool/remote/remote_name.h"
 #include "deploy/process/exhaustion.h"
+#include "latvox/error.h"
 
 namespace latvox::client {
 namespace {
@@ -95,7 +97,8 @@ void BatchRun::Work() {
     } catch (const std::exception& error) {
       result.error = StatusOf(error);
     }
-    if (absl::IsInvalidArgument(result.error)) result.error = parser.WithFields(result.error);
+    const bool names_option = absl::StartsWith(GetErrorDetails(result.error).field, "--");
+    if (absl::IsInvalidArgument(result.error) || names_option) result.error = parser.WithFields(result.error);
     if (!result.error.ok()) result.outcome = JobResult::Outcome::kFailed;
     result.ended_unix_ms = static_cast<uint64_t>(absl::ToUnixMillis(absl::Now()));
     End(result);

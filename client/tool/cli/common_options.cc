@@ -123,8 +123,10 @@ OptionRow JsonRow(const std::string& help, bool& json) { return {.names = "--jso
 void CheckOutputs(const std::vector<std::string>& outputs, const std::string& input, absl::string_view what) {
   std::set<std::filesystem::path> places;
   for (const std::string& output : outputs) {
-    if (!places.insert(Place(output)).second) Refuse("--out: \"", output, "\" is given twice");
-    if (Place(output) == Place(input)) Refuse("--out: \"", output, "\" is the ", what, " itself");
+    const bool is_new = places.insert(Place(output)).second;
+    if (is_new && Place(output) != Place(input)) continue;
+    const std::string why = is_new ? absl::StrCat("is the ", what, " itself") : "is given twice";
+    throw UsageError(absl::StrCat("--out: \"", output, "\" ", why), {"--out", output});
   }
 }
 

@@ -38,9 +38,12 @@ std::string ErrorText(const absl::Status& status) {
     if (!value.empty() && !absl::StrContains(line, value)) absl::StrAppend(&line, " (", name, " ", value, ")");
   };
   const ErrorDetails details = GetErrorDetails(status);
-  append("field", details.field);
-  append("value", details.value);
-  append("limit", details.limit);
+  const bool names_file = !details.value.empty() && absl::StrContains(line, absl::StrCat(details.value, ": "));
+  if (!names_file) {  // else it tells what is wrong with the file
+    append("field", details.field);
+    append("value", details.value);
+    append("limit", details.limit);
+  }
   if (details.retry_after) append("try again in", absl::FormatDuration(*details.retry_after));
   std::replace_if(
       line.begin(), line.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');

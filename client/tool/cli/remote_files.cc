@@ -134,7 +134,9 @@ std::string RemoteFiles::Named(const std::string& text) const {
 absl::Status RemoteFiles::Named(const absl::Status& status) const {
   if (status.ok() || copies_.empty()) return status;
   absl::Status named(status.code(), Named(std::string(status.message())));
-  SetErrorDetails(GetErrorDetails(status), named);
+  ErrorDetails details = GetErrorDetails(status);
+  details.value = Named(details.value);
+  SetErrorDetails(details, named);
   return named;
 }
 

@@ -59,10 +59,15 @@ void CheckHeld(const VoxelizeOptions& options, const ShapeWords& words) {
     if (!HasExtension(output, OutputExtensions())) continue;  // another check names the extension
     const auto not_held = WhyNotHeld(output, voxels, of_output);
     if (!not_held) continue;
-    if (not_held->is_lattice) Refuse("--out: ", output, ": ", not_held->text);
+    if (not_held->is_lattice) {
+      throw UsageError(absl::StrCat("--out: ", output, ": ", not_held->text), {"--out", output, not_held->able});
+    }
     if (voxels.fields.empty()) Refuse("--fields: ", output, " needs links, link_triangles or link_crossings");
     const bool is_selected = of_output.array && IsLimited(output, of_output);
-    Refuse(is_selected ? "--array: " : "--fields: ", output, " ", not_held->text);
+    const std::string option = is_selected ? "--array" : "--fields";
+    const std::vector<Field>& held = is_selected ? *of_output.array : voxels.fields;
+    throw UsageError(absl::StrCat(option, ": ", output, " ", not_held->text),
+                     {option, JoinNames(held), not_held->able});
   }
   CheckShape(words, options.outputs, options.output_options, voxels);
 }

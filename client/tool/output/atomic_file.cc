@@ -16,6 +16,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
+#include "client/internal/file_error.h"
 #include "client/internal/liveness.h"
 #include "client/tool/output/temporary_name.h"
 #include "latvox/error.h"
@@ -26,7 +27,8 @@ namespace {
 constexpr size_t kBufferBytes = 1 << 20;
 
 absl::Status CannotWrite(const std::string& target, const char* why) {
-  return absl::FailedPreconditionError(absl::StrCat(target, ": cannot be written (", why, ")"));
+  return WithFile(absl::FailedPreconditionError(absl::StrCat(target, ": cannot be written (", why, ")")), "--out",
+                  target);
 }
 
 // Returns false, with errno set, if some bytes could not be written.

@@ -87,7 +87,7 @@ class BinvoxOutput final : public Output {
 
   absl::Status Begin(const Accepted& accepted) override {
     if (!IsCubic(accepted.grid.basis)) {
-      return absl::InvalidArgumentError(absl::StrCat(file_->target(), ": ", kCubesOnly));
+      return NoSuchCells(file_->target(), kCubesOnly);
     }
     grid_ = accepted.grid;
     return absl::OkStatus();

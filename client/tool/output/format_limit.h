@@ -1,4 +1,4 @@
-// Errors of results that are too large for a format.
+// Errors of results that do not fit into a format.
 #ifndef LATVOX_CLIENT_TOOL_OUTPUT_FORMAT_LIMIT_H_
 #define LATVOX_CLIENT_TOOL_OUTPUT_FORMAT_LIMIT_H_
 
@@ -6,6 +6,7 @@
 
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
+#include "client/internal/file_error.h"
 #include "latvox/error.h"
 
 namespace latvox::client {
@@ -21,6 +22,13 @@ inline absl::Status TooLarge(const std::string& target, const std::string& what,
   absl::Status status = absl::ResourceExhaustedError(absl::StrCat(target, ": ", what, "; ", remedy));
   SetErrorDetails({"LIMIT_EXCEEDED", "--out", value, limit, std::nullopt}, status);
   return status;
+}
+
+inline constexpr char kCellsHeld[] = "--lattice cartesian";  // the limit of formats for cells along the axes
+
+// Returns INVALID_ARGUMENT with ErrorDetails: "TARGET: WHAT".
+inline absl::Status NoSuchCells(const std::string& target, const std::string& what) {
+  return WithFile(absl::InvalidArgumentError(absl::StrCat(target, ": ", what)), "--out", target, kCellsHeld);
 }
 
 }  // namespace latvox::client

@@ -10,6 +10,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "client/grid/metadata_texts.h"
+#include "client/internal/file_error.h"
 #include "client/tool/hdf5/descriptor_driver.h"
 #include "client/tool/hdf5/hdf5_attribute.h"
 #include "client/tool/hdf5/hdf5_rows.h"
@@ -94,8 +95,10 @@ class Hdf5Output final : public Output {
   using Rows = std::optional<Hdf5Rows>;
 
   absl::Status Failed() const {
-    return absl::FailedPreconditionError(absl::StrCat(target_->target(), ": cannot be written (",
-                                                      error_ != 0 ? std::strerror(error_) : "HDF5 fails", ")"));
+    const char* const why = error_ != 0 ? std::strerror(error_) : "HDF5 fails";
+    const std::string& target = target_->target();
+    return WithFile(absl::FailedPreconditionError(absl::StrCat(target, ": cannot be written (", why, ")")), "--out",
+                    target);
   }
 
   // On any thread: that of the destructor may be another one than those of Begin and Finish.

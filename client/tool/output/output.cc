@@ -11,6 +11,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "client/internal/file_error.h"
 #include "client/tool/output/atomic_file.h"
 #include "client/tool/output/box_output.h"
 #include "client/tool/output/dense_output.h"
@@ -275,13 +276,14 @@ std::optional<NotHeld> WhyNotHeld(const std::string& path, const ToHold& voxels,
   const Format& format = *FormatOf(path);
   const std::string able = absl::StrJoin(AbleFormats(voxels, options), " ");
   if (format.cells != kAnyCells && voxels.basis && !format.cells->includes(*voxels.basis)) {
-    return NotHeld{true, absl::StrCat(format.cells->only, "; ", able, " can hold these voxels")};
+    return NotHeld{true, absl::StrCat(format.cells->only, "; ", able, " can hold these voxels"), able};
   }
   const std::vector<Field> in_file = FieldsIn(format, voxels.fields, options);
   if (HoldsFields(format, in_file, options)) return std::nullopt;
   const std::string held = in_file.empty() ? "voxels without links" : JoinNames(in_file);
-  return NotHeld{
-      false, absl::StrCat("cannot hold ", held, "; ", able, " can", WhatArraySelects(format, voxels.fields, options))};
+  const std::string text =
+      absl::StrCat("cannot hold ", held, "; ", able, " can", WhatArraySelects(format, voxels.fields, options));
+  return NotHeld{false, text, able};
 }
 
 ToHold ToHoldOf(const VoxelizeRequest& request) {
@@ -313,11 +315,13 @@ absl::StatusOr<std::unique_ptr<Output>> OpenOutput(const std::string& path, cons
                                                    const OutputOptions& options) {
   const Format* const format = FormatOf(path);
   if (format == nullptr) {
-    return absl::InvalidArgumentError(absl::StrCat(path, ": extension \"", ExtensionOf(path), "\" is not one of ",
-                                                   absl::StrJoin(OutputExtensions(), " ")));
+    const std::string all = absl::StrJoin(OutputExtensions(), " ");
+    const std::string text = absl::StrCat(path, ": extension \"", ExtensionOf(path), "\" is not one of ", all);
+    return WithFile(absl::InvalidArgumentError(text), "--out", path, all);
   }
   if (const auto not_held = WhyNotHeld(path, ToHoldOf(request), options)) {
-    return absl::InvalidArgumentError(absl::StrCat(path, ": ", not_held->text));
+    return WithFile(absl::InvalidArgumentError(absl::StrCat(path, ": ", not_held->text)), "--out", path,
+                    not_held->able);
   }
   VoxelizeRequest of_file = request;
   of_file.fields = FieldsIn(*format, request.fields, options);

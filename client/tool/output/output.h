@@ -69,6 +69,7 @@ struct ToHold {
 struct NotHeld {
   bool is_lattice;
   std::string text;
+  std::string able;  // the formats that can, with spaces between them
 };
 
 // Returns the extension, with the dot, in lower case: also the double ones, such as ".nii.gz" and ".links.csv".

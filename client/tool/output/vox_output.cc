@@ -113,7 +113,7 @@ class VoxOutput final : public Output {
 
   absl::Status Begin(const Accepted& accepted) override {
     if (IsCubic(accepted.grid.basis)) return absl::OkStatus();
-    return absl::InvalidArgumentError(absl::StrCat(file_->target(), ": ", kCubesOnly));
+    return NoSuchCells(file_->target(), kCubesOnly);
   }
 
   absl::Status Add(const BrickBatch& batch) override {

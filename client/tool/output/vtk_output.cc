@@ -10,6 +10,7 @@
 #include "absl/strings/str_format.h"
 #include "client/tool/output/box_output.h"
 #include "client/tool/output/dense_fields.h"
+#include "client/tool/output/format_limit.h"
 #include "client/tool/output/voronoi_cell.h"
 #include "client/tool/output/vtk_file.h"
 #include "latvox/for_each_voxel.h"
@@ -26,7 +27,7 @@ class VtiOutput final : public Output {
 
   absl::Status Begin(const Accepted& accepted) override {
     if (!IsAlongAxes(accepted.grid.basis)) {
-      return absl::InvalidArgumentError(absl::StrCat(file_->target(), ": ", kBoxesOnly));
+      return NoSuchCells(file_->target(), kBoxesOnly);
     }
     return fields_.Begin(accepted, file_->target());
   }

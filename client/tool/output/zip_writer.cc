@@ -13,6 +13,7 @@
 
 #include "absl/cleanup/cleanup.h"
 #include "absl/strings/str_cat.h"
+#include "client/internal/file_error.h"
 #include "client/tool/output/deflater.h"
 
 namespace latvox::client {
@@ -192,7 +193,8 @@ absl::Status Write(const std::vector<ZipMember>& members, const Cancellation& ca
 
 absl::Status WriteZip(const std::vector<ZipMember>& members, AtomicFile& file) {
   const auto cannot = [&file](absl::string_view why) {
-    return absl::FailedPreconditionError(absl::StrCat(file.target(), ": cannot be written (", why, ")"));
+    return WithFile(absl::FailedPreconditionError(absl::StrCat(file.target(), ": cannot be written (", why, ")")),
+                    "--out", file.target());
   };
   const int fd = open(file.temporary().c_str(), O_WRONLY | O_CLOEXEC);
   if (fd < 0) return cannot(std::strerror(errno));

@@ -21,7 +21,9 @@ RemoteOutput::RemoteOutput(std::unique_ptr<Output> file, std::string path, const
 absl::Status RemoteOutput::Named(const absl::Status& status) const {
   if (status.ok()) return status;
   absl::Status named(status.code(), absl::StrReplaceAll(status.message(), {{path_, remote_.name}}));
-  SetErrorDetails(GetErrorDetails(status), named);
+  ErrorDetails details = GetErrorDetails(status);
+  if (details.value == path_) details.value = remote_.name;
+  SetErrorDetails(details, named);
   return named;
 }
 
