@@ -40,10 +40,11 @@ LIMITS = {
     # Three are of tool/hdf5: output and confined call it, and confined takes the box of bricks from output.
     # Four are of tool/texture: cli calls it, and it takes types, meshes and digests from the SDK.
     # Six are of tool/vdb: output, confined, cli and python call it, and it takes grids and types from the SDK.
-    # Six are of python: it takes types, grids and meshes from the SDK, and options, jobs and files from the tool.
+    # Seven are of python: it takes types, grids, meshes and errors of files from the SDK, and options, jobs and files
+    # from the tool.
     # Three are of tool/remote: cli calls it, and it takes options of calls from the SDK, and outputs.
     # Grids write the labels of a request as json does it for the tool.
-    "client": Limits(rooms=17, most_rooms=22, arrows=59, most_arrows=60, upward=0),
+    "client": Limits(rooms=17, most_rooms=22, arrows=60, most_arrows=60, upward=0),
 }
 
 # The public headers of the SDK may include each other, the standard library and abseil. One header is about OpenVDB.
