@@ -92,7 +92,9 @@ TEST_F(MeshFile, OfDracoIsDecoded) {
 }
 
 TEST_F(MeshFile, ThatIsMissingOrDamagedIsNamed) {
-  EXPECT_EQ(ReadMeshFile(Path("missing.ply")).status(), absl::NotFoundError(Path("missing.ply") + ": no such file"));
+  const absl::Status missing = ReadMeshFile(Path("missing.ply")).status();
+  EXPECT_EQ(missing.code(), absl::StatusCode::kNotFound);
+  EXPECT_EQ(missing.message(), Path("missing.ply") + ": no such file");
   const absl::Status damaged = ReadMeshFile(Write("bad.obj", "v 0 0\n")).status();
   EXPECT_EQ(damaged.code(), absl::StatusCode::kInvalidArgument);
   EXPECT_THAT(std::string(damaged.message()), HasSubstr(Path("bad.obj") + ": line 1"));

@@ -14,6 +14,7 @@
 #include "client/internal/liveness.h"
 #include "client/tool/output/atomic_file.h"
 #include "client/tool/output/temporary_name.h"
+#include "latvox/error.h"
 #include "latvox/grid/voxel_grid.h"
 #include "tests/unit/client/fields.h"
 #include "tests/unit/client/files.h"
@@ -190,17 +191,19 @@ TEST_F(OutputFile, NothingIsThereBeforeCommitAndNothingIsLeftWithoutIt) {
 }
 
 TEST_F(OutputFile, PlacesThatCannotBeWrittenAreFoundOnOpening) {
-  EXPECT_EQ(OpenOutput(Path("missing/o.csv")).status(),
-            absl::FailedPreconditionError(
-                absl::StrCat(Path("missing/o.csv"), ": cannot be written (there is no folder ", Path("missing"), ")")));
+  const auto refuses = [](const std::string& path, const std::string& why) {
+    const absl::Status refused = OpenOutput(path).status();
+    EXPECT_EQ(refused.code(), absl::StatusCode::kFailedPrecondition);
+    EXPECT_EQ(refused.message(), absl::StrCat(path, ": cannot be written (", why, ")"));
+    EXPECT_EQ(GetErrorDetails(refused).field, "--out");
+    EXPECT_EQ(GetErrorDetails(refused).value, path);
+  };
+  refuses(Path("missing/o.csv"), "there is no folder " + Path("missing"));
   std::filesystem::create_directory(Path("dir.csv"));
   EXPECT_THAT(std::string(OpenOutput(Path("dir.csv")).status().message()), HasSubstr("is a directory"));
   ASSERT_EQ(mkfifo(Path("pipe.csv").c_str(), 0600), 0);
   std::filesystem::create_symlink("/dev/null", Path("null.csv"));
-  for (const char* name : {"pipe.csv", "null.csv"}) {
-    EXPECT_EQ(OpenOutput(Path(name)).status(),
-              absl::FailedPreconditionError(Path(name) + ": cannot be written (is not a regular file)"));
-  }
+  for (const char* name : {"pipe.csv", "null.csv"}) refuses(Path(name), "is not a regular file");
   EXPECT_THAT(std::string(OpenOutput(Path("o.xyz")).status().message()), HasSubstr(".xyz"));
 }
 
