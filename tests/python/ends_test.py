@@ -38,14 +38,15 @@ time.sleep({sleep})
 START = "import latvox"
 WARM = START + "; latvox.voxelize(BUNNY, resolution=9)"
 VOXELS = START + "; v = latvox.voxelize(BUNNY, resolution=500)"
-LATE = "atexit.register(time.sleep, 0.05); "  # runs after latvox's own, because that is younger: meanwhile threads go on
+# Runs after latvox's own, because that is younger. Meanwhile threads go on.
+LATE = "atexit.register(time.sleep, 0.05); "
 AGAIN = "try: latvox.voxelize(BUNNY, resolution=9)\n        except latvox.Cancelled: pass"
 
 # What each daemon thread does, after what, how often the program runs, and the longest time before its end.
 CASES = {
-    "a client starts": (START, "latvox.voxelize(BUNNY, **LONG)", 20, 1),
-    "a call": (WARM, "latvox.voxelize(BUNNY, **LONG)", 20, 0.3),
-    "save": (VOXELS, "while True: v.save(f'{threading.get_ident()}.npz')", 20, 0.3),
+    "a client starts": (START, "latvox.voxelize(BUNNY, **LONG)", 10, 1),
+    "a call": (WARM, "latvox.voxelize(BUNNY, **LONG)", 10, 0.3),
+    "save": (VOXELS, "while True: v.save(f'{threading.get_ident()}.npz')", 10, 0.3),
     "arrays": (VOXELS, "while True: latvox.Grid(v._voxels).ijk, v.dense()", 2, 0.2),
     "calls after the end of work": (LATE + WARM, f"while True:\n        {AGAIN}", 4, 0.2),
     "a path of the caller": (WARM, "latvox.voxelize(BUNNY, resolution=9, out=Path())", 2, 0.05),

@@ -118,7 +118,7 @@ def test_convert_writes_all_files_or_none(answers, tmp_path):
     latvox.convert(str(tmp_path / "v.vdb"), [tmp_path / "a.csv", tmp_path / "a.npz"])
     assert {path.name for path in tmp_path.iterdir()} == {"v.vdb", "a.csv", "a.npz"}
     for out, options, field, text in (
-        (["b.csv", "b.vox"], {}, "out", r"b\.vox: cannot hold part,distance"),
+        (["b.csv", "b.vox"], {}, "out", r"b\.vox: the format holds cubes along the axes only"),
         (["b.csv"], {"fields": ["color"]}, "path", "v.vdb: has no field color"),
         (["b.csv"], {"fields": "weight"}, "fields", 'fields: "weight" is'),
         (["b.xyz"], {}, "out", 'extension ".xyz" is not one of'),
