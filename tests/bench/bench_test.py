@@ -245,8 +245,8 @@ class Bench(unittest.TestCase):
         for script, words, row in (
             ("whole", [f"{BUNNY}:32"], r"\| bunny.obj 32 (\| -?\d+ ){8}\|\n"),
             ("user", ["ground"], r"\| ground \| 1024 (\| [^|]+ ){8}\|\n\n"),
-            ("writers", ["--resolution", "32", "--formats", ".npy"], r"\| `.npy` (\| -?[\d.]+ ){6}\|\n"),
-            ("writers", ["--resolution", "16"], r"\| `.mhd` [^$]*\| `.links.npz` (\| -?[\d.]+ ){6}\|\n"),
+            ("writers", ["--resolution", "32", "--formats", ".npy"], r"\| `.npy` (\| -?[\d.]+ ){7}\|\n"),
+            ("writers", ["--resolution", "16"], r"\| `.mhd` [^$]*\| `.links.npz` (\| -?[\d.]+ ){7}\|\n"),
             *([("python", ["--resolution", "32"], r"\| file (\| [\d.]+ ){3}\|\n")] if MODULES else []),
         ):
             command = [pathlib.Path(__file__).with_name(script), "--bin", BENCH.parent, "--rounds", "1", *words]
