@@ -25,7 +25,9 @@ export class Gateway {
     Object.assign(this, { options, protocol, upstreams, log, pages, metrics, watched });
     this.calls = new Calls({ options, protocol, log, metrics });
     this.ending = new AbortController();
-    setMaxListeners(2 * options['max-calls'] + 10, this.ending.signal); // each call listens
+    const most = 2 * options['max-calls'] + 10; // each call listens
+    setMaxListeners(most, this.ending.signal);
+    setMaxListeners(most); // of all others: calls also listen to a connection to latvoxd that is not there yet
     // latvoxd takes no compressed messages either, because meshes and bricks are compressed already.
     const router = createConnectRouter({
       grpc: false,
