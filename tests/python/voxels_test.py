@@ -205,7 +205,7 @@ def test_save_of_fields_replaces_and_refuses(bunny, tmp_path):
     assert (tmp_path / "a.csv").read_text().startswith("i,j,k,x,y,z,part,distance,triangle,u,v,nx,ny,nz\n")
     with pytest.raises(latvox.InvalidArgument, match="extension"):
         bunny.save(tmp_path / "a.xyz")
-    with pytest.raises(latvox.InvalidArgument, match=r"a\.vox: cannot hold part,.*; \.vdb"):
+    with pytest.raises(latvox.InvalidArgument, match=r"a\.vox: the format holds cubes along the axes only, .*; \.vdb"):
         bunny.save(tmp_path / "a.vox")
     with pytest.raises(latvox.FailedPrecondition, match="missing"):
         bunny.save(tmp_path / "missing" / "a.vdb")

@@ -8,6 +8,7 @@
 #include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "server/calls/service.h"
 #include "tests/unit/server/calls.h"
@@ -62,12 +63,21 @@ TEST_F(BusyQueue, ATinyJobDoesNotNeedIt) {
   const std::array<uint32_t, 3> corners = {0, 1, 2};
   std::string mesh(reinterpret_cast<const char*>(positions.data()), sizeof(positions));
   mesh.append(reinterpret_cast<const char*>(corners.data()), sizeof(corners));
-  std::future<Answer> future = Send(spec, mesh);
-  EXPECT_EQ(future.wait_for(kPatience), std::future_status::ready);
+  // A job that another program interrupts for milliseconds is no longer tiny.
+  constexpr int kAttempts = 20;
+  std::vector<std::future<Answer>> futures;
+  bool is_answered = false;
+  while (!is_answered && futures.size() < kAttempts) {
+    futures.push_back(Send(spec, mesh));
+    is_answered = futures.back().wait_for(kPatience / kAttempts) == std::future_status::ready;
+  }
+  EXPECT_TRUE(is_answered);
   FreeQueue();
-  const Answer answer = future.get();
-  EXPECT_TRUE(answer.status.ok()) << answer.status.error_message();
-  EXPECT_FALSE(answer.Bricks().empty());
+  for (std::future<Answer>& future : futures) {
+    const Answer answer = future.get();
+    EXPECT_TRUE(answer.status.ok()) << answer.status.error_message();
+    EXPECT_FALSE(answer.Bricks().empty());
+  }
 }
 
 TEST_F(BusyQueue, ALongerJobWaitsForIt) {
