@@ -17,6 +17,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/strip.h"
 #include "client/grid/grid_archive.h"
+#include "client/grid/grid_frame.h"
 #include "client/grid/nano_archive.h"
 #include "client/grid/nano_names.h"
 #include "client/grid/open_file.h"
@@ -34,7 +35,7 @@ auto WithArchive(std::istream& in, const std::string& path, const Read& read)
   std::string why;
   const uint64_t magic = ReadMagic(in);
   const bool is_nano = IsNanoMagic(magic);
-  if (!is_nano && magic != openvdb::OPENVDB_MAGIC) return absl::InvalidArgumentError(path + kNoGridFile);
+  if (!is_nano && magic != kVdbMagic) return absl::InvalidArgumentError(path + kNoGridFile);
   try {
     openvdb::initialize();
     const auto archive = is_nano ? OpenNanoArchive(in) : OpenVdbArchive(in);

@@ -154,7 +154,7 @@ class WallTiles {
 
   template <class Vertex>
   void Add(uint32_t label, const Vertex& a, const Vertex& b, const Vertex& c) {
-    constexpr double kPoint = 27;  // tiles: about the volume within the width of a point, which is the least
+    constexpr double kPoint = 27;  // tiles: about the least volume, that around a point
     constexpr double kFewCubes = 64;
     const TileBox box = Around({InLattice(a), InLattice(b), InLattice(c)});
     double tiles = box.size();
