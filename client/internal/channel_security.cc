@@ -4,6 +4,7 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <optional>
 #include <sstream>
 #include <tuple>
 #include <utility>
@@ -13,7 +14,9 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/string_view.h"
 #include "client/internal/address.h"
+#include "client/internal/file_error.h"
 #include "client/internal/trace_context.h"
+#include "latvox/error.h"
 
 namespace latvox::client {
 namespace {
@@ -24,33 +27,40 @@ bool WantsTls(const Credentials& credentials) {
 }
 
 // gRPC says only much later, and in other words, that it found nothing of its `kind` in a file.
-absl::StatusOr<std::string> ReadPem(const std::string& path, absl::string_view what, absl::string_view kind) {
+absl::StatusOr<std::string> ReadPem(const char* field, const std::string& path, absl::string_view kind) {
+  const std::string limit = absl::StrCat("a file with a ", kind, " in PEM form");
+  const auto wrong = [&](absl::string_view what) {
+    return WithFile(absl::InvalidArgumentError(absl::StrCat(path, ": ", what)), field, path, limit);
+  };
   errno = 0;
   std::ifstream file(path, std::ios::binary);
   std::ostringstream text;
   if (file) text << file.rdbuf();
-  if (!file || errno != 0) {  // an empty file sets failbit of `text` only; a directory only sets errno
-    return absl::InvalidArgumentError(
-        absl::StrCat("cannot read the ", what, " \"", path, "\": ", std::strerror(errno)));
-  }
+  // An empty file sets failbit of `text` only; a directory only sets errno.
+  if (!file || errno != 0) return wrong(absl::StrCat("cannot be read (", std::strerror(errno), ")"));
   if (!absl::StrContains(text.str(), "-----BEGIN ") || !absl::StrContains(text.str(), absl::StrCat(kind, "-----"))) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("the ", what, " \"", path, "\": the file has no ", kind, " in PEM form"));
+    return wrong(absl::StrCat("has no ", kind, " in PEM form"));
   }
   return text.str();
 }
 
 absl::StatusOr<std::shared_ptr<grpc::ChannelCredentials>> MakeTlsCredentials(const Credentials& credentials) {
   if (credentials.tls_cert_file.empty() != credentials.tls_key_file.empty()) {
-    return absl::InvalidArgumentError("a client's certificate and its key go together; one of them is missing");
+    const bool only_key = credentials.tls_cert_file.empty();
+    absl::Status error =
+        absl::InvalidArgumentError("a client's certificate and its key go together; one of them is missing");
+    SetErrorDetails({"BAD_SPEC", only_key ? "tls_key_file" : "tls_cert_file",
+                     only_key ? credentials.tls_key_file : credentials.tls_cert_file, "", std::nullopt},
+                    error);
+    return error;
   }
   grpc::SslCredentialsOptions options;
-  for (const auto& [path, what, kind, text] :
-       {std::tuple(&credentials.tls_ca_file, "root certificates", "CERTIFICATE", &options.pem_root_certs),
-        std::tuple(&credentials.tls_cert_file, "certificate", "CERTIFICATE", &options.pem_cert_chain),
-        std::tuple(&credentials.tls_key_file, "key", "PRIVATE KEY", &options.pem_private_key)}) {
+  for (const auto& [field, path, kind, text] :
+       {std::tuple("tls_ca_file", &credentials.tls_ca_file, "CERTIFICATE", &options.pem_root_certs),
+        std::tuple("tls_cert_file", &credentials.tls_cert_file, "CERTIFICATE", &options.pem_cert_chain),
+        std::tuple("tls_key_file", &credentials.tls_key_file, "PRIVATE KEY", &options.pem_private_key)}) {
     if (path->empty()) continue;
-    auto read = ReadPem(*path, what, kind);
+    auto read = ReadPem(field, *path, kind);
     if (!read.ok()) return read.status();
     *text = *std::move(read);
   }
@@ -70,7 +80,10 @@ bool IsToken(absl::string_view token) {
 absl::StatusOr<std::shared_ptr<grpc::ChannelCredentials>> MakeChannelCredentials(const std::string& address,
                                                                                  const Credentials& credentials) {
   if (!IsToken(credentials.token)) {
-    return absl::InvalidArgumentError("the token has other characters than A-Z a-z 0-9 - . _ ~ + / =");
+    absl::Status error = absl::InvalidArgumentError("the token has other characters than A-Z a-z 0-9 - . _ ~ + / =");
+    // The error is for logs as well, so it does not show the token.
+    SetErrorDetails({"BAD_SPEC", "token", "", "A-Z a-z 0-9 - . _ ~ + / =", std::nullopt}, error);
+    return error;
   }
   if (WantsTls(credentials)) {
     if (!IsUnixSocket(address)) return MakeTlsCredentials(credentials);

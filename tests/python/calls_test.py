@@ -130,7 +130,7 @@ def test_tls_and_a_token(tmp_path):
             latvox.Client(address, token=TOKEN, tls=True, timeout=5)
 
 
-def test_wrong_connections():
+def test_wrong_connections(tmp_path):
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         with pytest.raises(latvox.Unavailable, match="127.0.0.1"):
@@ -139,6 +139,22 @@ def test_wrong_connections():
         latvox.Client("no port")
     with pytest.raises(latvox.InvalidArgument, match="tls_ca requires server"):
         latvox.Client(tls_ca="root.crt")
+    key = str(tmp_path / "key")
+    pathlib.Path(key).write_text("no key\n")
+    for wrong, limit in (("token_file", "one word"), ("tls_ca", "CERTIFICATE"), ("tls_cert", "CERTIFICATE")):
+        for path, says in ((str(tmp_path / "none"), "cannot be read"), (key, "")):
+            options = {"tls_cert": key, "tls_key": key} if wrong == "tls_cert" else {}
+            with pytest.raises(latvox.InvalidArgument, match=f"^{path}: .*{says}") as caught:
+                latvox.Client("127.0.0.1:1", **options | {wrong: path})
+            error = caught.value
+            assert (error.reason, error.field, error.value) == ("BAD_SPEC", wrong, path)
+            assert limit in error.limit and "(field" not in str(error)
+    with pytest.raises(latvox.InvalidArgument, match="tls_key requires tls_cert") as caught:
+        latvox.Client("127.0.0.1:1", tls_key=key)
+    assert caught.value.field == "tls_key"
+    with pytest.raises(latvox.InvalidArgument, match="other characters") as caught:
+        latvox.Client("127.0.0.1:1", token="secret word")
+    assert caught.value.field == "token" and "secret" not in str(caught.value)
     with pytest.raises(TypeError, match="resolution"):
         latvox.Client(resolution=5)
 

@@ -18,6 +18,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 BIN = pathlib.Path(os.environ["LATVOX_BIN"])
 README = ROOT / "README.md"
 GENERATED = ROOT / "client/docs/command-line.md"
+PATIENCE = 300  # seconds for a page; a page takes a tenth of it on two idle cores
 PAGES = [README, *sorted([*ROOT.glob("client/docs/*.md"), *ROOT.glob("server/docs/*.md")])]
 
 
@@ -43,24 +44,29 @@ def own_network():
 class Examples(unittest.TestCase):
     def run_in(self, directory, script):
         """Returns what the script prints."""
-        environment = os.environ | {"PATH": f"{BIN}:{os.environ['PATH']}"}
-        with tempfile.TemporaryFile("w+") as output:
+        environment = os.environ | {"PATH": f"{BIN}:{os.environ['PATH']}", "PS4": "+ ${SECONDS} s: "}
+        with tempfile.TemporaryFile("w+") as output, tempfile.TemporaryFile("w+") as trace:
             shell = subprocess.Popen(
-                [*own_network(), "bash", "-euo", "pipefail", "-c", script],
+                [*own_network(), "bash", "-euo", "pipefail", "-c", f"BASH_XTRACEFD={trace.fileno()}; set -x\n{script}"],
                 cwd=directory,
                 env=environment,
                 stdout=output,
                 stderr=output,
+                pass_fds=[trace.fileno()],
                 start_new_session=True,
             )
             try:
-                shell.wait(timeout=120)
+                shell.wait(timeout=PATIENCE)
+            except subprocess.TimeoutExpired:
+                pass  # the assertion below says which command did not end
             finally:
                 with contextlib.suppress(ProcessLookupError):
                     os.killpg(shell.pid, signal.SIGKILL)  # ends what the script left running
+                shell.wait()
             output.seek(0)
+            trace.seek(0)
             printed = output.read()
-        self.assertEqual(shell.returncode, 0, printed)
+            self.assertEqual(shell.returncode, 0, f"{printed}\nThe last commands:\n{trace.read()[-2000:]}")
         return printed
 
     def test_pages_run_and_print_what_they_show(self):

@@ -10,27 +10,46 @@
 #include <utility>
 #include <vector>
 
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_replace.h"
 #include "absl/strings/str_split.h"
 #include "absl/strings/string_view.h"
+#include "absl/strings/strip.h"
 #include "client/internal/address.h"
+#include "client/internal/file_error.h"
 #include "deploy/process/exhaustion.h"
+#include "latvox/error.h"
 
 namespace latvox::client {
 namespace {
 
 // Strips white space, such as the line end.
 absl::StatusOr<std::string> ReadToken(const std::string& path) {
+  const auto wrong = [&path](absl::string_view what) {
+    return WithFile(absl::InvalidArgumentError(absl::StrCat(path, ": ", what)), "--token-file", path,
+                    "a file with one word, the token");
+  };
   std::ifstream file(path);
-  if (!file) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("cannot read the token file \"", path, "\": ", std::strerror(errno)));
-  }
+  if (!file) return wrong(absl::StrCat("cannot be read (", std::strerror(errno), ")"));
   std::string token, more;
-  if (!(file >> token) || file >> more) {
-    return absl::InvalidArgumentError(absl::StrCat("the token file \"", path, "\" does not hold exactly one word"));
-  }
+  if (!(file >> token) || file >> more) return wrong("does not hold exactly one word, the token");
   return token;
+}
+
+// Returns the error with the option that sets the wrong field of Credentials.
+absl::Status WithCredentialOption(absl::Status error, const std::string& token_file) {
+  ErrorDetails details = GetErrorDetails(error);
+  if (details.field == "token" && !token_file.empty()) {
+    details.field = "--token-file";
+    details.value = token_file;
+  } else if (absl::StartsWith(details.field, "tls_")) {
+    details.field = absl::StrCat("--", absl::StrReplaceAll(absl::StripSuffix(details.field, "_file"), {{"_", "-"}}));
+  } else {
+    return error;
+  }
+  SetErrorDetails(details, error);
+  return error;
 }
 
 // Returns the number of threads of a gRPC client and of a private server that computes. Without its threads, gRPC waits
@@ -87,7 +106,7 @@ absl::Status Session::Connect(const CallOptions& options) {
     connection.credentials.token = *std::move(token);
   }
   auto client = Client::Connect(*address, options, connection);
-  if (!client.ok()) return client.status();
+  if (!client.ok()) return WithCredentialOption(client.status(), choice_.token_file);
   if (server_) server_->RemoveDirectory();
   directory_.reset();
   client_ = *std::move(client);

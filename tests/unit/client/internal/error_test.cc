@@ -69,22 +69,30 @@ TEST(GrpcMessage, IsNeverEmptyAndLacksTheCodesOfGrpc) {
             "no server can be reached (ipv4:127.0.0.1:1: Connection refused)");
 }
 
-TEST(Connect, RefusesAFileWithoutTheCertificateOrKeyThatItIsFor) {
+TEST(Connect, NamesAFileWithoutTheCertificateOrKeyThatItIsFor) {
   const TemporaryDirectory directory;
   std::ofstream(directory / "key.pem") << "-----BEGIN PRIVATE KEY-----\n-----END PRIVATE KEY-----\n";
   std::ofstream(directory / "roots.pem") << "-----BEGIN CERTIFICATE-----\n-----END CERTIFICATE-----\n";
   std::ofstream(directory / "text.pem") << "CERTIFICATE-----\n";
-  const auto refusal = [&directory](const char* roots, const char* certificate, const char* key) {
+  const auto expect = [&directory](const char* roots, const char* certificate, const char* key, const char* field,
+                                   const std::string& file, const std::string& says) {
     ConnectionOptions options;
     options.credentials.tls_ca_file = directory / roots;
     options.credentials.tls_cert_file = directory / certificate;
-    options.credentials.tls_key_file = directory / key;
-    return std::string(Client::Connect("127.0.0.1:1", {}, options).status().message());
+    if (*key != 0) options.credentials.tls_key_file = directory / key;
+    const absl::Status status = Client::Connect("127.0.0.1:1", {}, options).status();
+    const ErrorDetails details = GetErrorDetails(status);
+    EXPECT_THAT(std::string(status.message()), HasSubstr(says));
+    EXPECT_EQ(details.field, field);
+    EXPECT_EQ(details.value, directory / file);
+    EXPECT_EQ(details.reason, "BAD_SPEC");
+    EXPECT_EQ(details.limit.empty(), *key == 0);
   };
-  EXPECT_THAT(refusal("key.pem", "roots.pem", "key.pem"),
-              HasSubstr("key.pem\": the file has no CERTIFICATE in PEM form"));
-  EXPECT_THAT(refusal("text.pem", "roots.pem", "key.pem"), HasSubstr("text.pem\": the file has no CERTIFICATE"));
-  EXPECT_THAT(refusal("roots.pem", "roots.pem", "roots.pem"), HasSubstr("roots.pem\": the file has no PRIVATE KEY"));
+  expect("key.pem", "roots.pem", "key.pem", "tls_ca_file", "key.pem", "key.pem: has no CERTIFICATE in PEM form");
+  expect("text.pem", "roots.pem", "key.pem", "tls_ca_file", "text.pem", "text.pem: has no CERTIFICATE");
+  expect("roots.pem", "roots.pem", "roots.pem", "tls_key_file", "roots.pem", "roots.pem: has no PRIVATE KEY");
+  expect("roots.pem", "none.pem", "key.pem", "tls_cert_file", "none.pem", "none.pem: cannot be read (No such file");
+  expect("roots.pem", "roots.pem", "", "tls_cert_file", "roots.pem", "go together");
 }
 
 TEST(Connect, RefusesInPrintableWords) {
