@@ -65,6 +65,18 @@ void Copy(const absl::Cord& bytes, uint64_t begin, size_t size, void* out) {
   }
 }
 
+// Copies `count` elements that begin at a byte of the cord. Ends soon once stopped, with fewer.
+template <class Vector>
+void CopyAll(const absl::Cord& bytes, uint64_t begin, uint64_t count, StopSignal stop, Vector& out) {
+  constexpr uint64_t kElement = sizeof(typename Vector::value_type), kPiece = (1 << 20) / kElement;
+  out.reserve(count);
+  for (uint64_t n = 0; n < count && !stop.Stopped(); n += kPiece) {
+    const uint64_t some = std::min(kPiece, count - n);
+    out.resize(n + some);
+    Copy(bytes, begin + n * kElement, some * kElement, out.data() + n);
+  }
+}
+
 // Returns the index of the field among those of the layout.
 absl::StatusOr<size_t> IndexOf(Field wanted, const RawMeshLayout& layout) {
   const auto fields = layout.attributes.view();
@@ -83,17 +95,26 @@ absl::Status CheckNumber(Field field, uint64_t vertex, uint32_t number) {
 
 // Puts the numbers of the wanted attributes, array after array in the bytes, vertex after vertex into the mesh.
 absl::Status ReadAttributes(const absl::Cord& bytes, const RawMeshLayout& layout, const FieldList& wanted,
-                            TriangleMesh& mesh) {
-  mesh.attributes.resize(layout.vertices * wanted.size());
-  std::vector<uint32_t> numbers(wanted.empty() ? 0 : layout.vertices);
-  for (size_t n = 0; n < wanted.size(); ++n) {
-    const absl::StatusOr<size_t> index = IndexOf(wanted.view()[n], layout);
+                            StopSignal stop, TriangleMesh& mesh) {
+  const size_t count = wanted.size();
+  std::vector<uint64_t> begins;  // of the arrays
+  for (const Field field : wanted.view()) {
+    const absl::StatusOr<size_t> index = IndexOf(field, layout);
     if (!index.ok()) return index.status();
-    const size_t size = numbers.size() * kIndex;
-    Copy(bytes, AttributesAt(layout) + *index * size, size, numbers.data());
-    for (size_t v = 0; v < numbers.size(); ++v) {
-      if (absl::Status status = CheckNumber(wanted.view()[n], v, numbers[v]); !status.ok()) return status;
-      mesh.attributes[v * wanted.size() + n] = numbers[v];
+    begins.push_back(AttributesAt(layout) + *index * layout.vertices * kIndex);
+  }
+  constexpr uint64_t kPiece = 1 << 16;  // vertices
+  std::vector<uint32_t> numbers;
+  mesh.attributes.reserve(layout.vertices * count);
+  for (uint64_t first = 0; first < layout.vertices && !wanted.empty() && !stop.Stopped(); first += kPiece) {
+    numbers.resize(std::min(kPiece, layout.vertices - first));
+    mesh.attributes.resize((first + numbers.size()) * count);
+    for (size_t n = 0; n < count; ++n) {
+      Copy(bytes, begins[n] + first * kIndex, numbers.size() * kIndex, numbers.data());
+      for (size_t v = 0; v < numbers.size(); ++v) {
+        if (absl::Status status = CheckNumber(wanted.view()[n], first + v, numbers[v]); !status.ok()) return status;
+        mesh.attributes[(first + v) * count + n] = numbers[v];
+      }
     }
   }
   return absl::OkStatus();
@@ -165,15 +186,13 @@ absl::StatusOr<TriangleMesh> ReadRawMesh(const absl::Cord& bytes, const RawMeshL
   }
   TriangleMesh mesh;
   if (layout.has_doubles) {
-    mesh.double_vertices.resize(layout.vertices);
-    Copy(bytes, 0, TrianglesAt(layout), mesh.double_vertices.data());
+    CopyAll(bytes, 0, layout.vertices, stop, mesh.double_vertices);
   } else {
-    mesh.vertices.resize(layout.vertices);
-    Copy(bytes, 0, TrianglesAt(layout), mesh.vertices.data());
+    CopyAll(bytes, 0, layout.vertices, stop, mesh.vertices);
   }
-  mesh.triangles.resize(layout.triangles);
-  Copy(bytes, TrianglesAt(layout), layout.triangles * 3 * kIndex, mesh.triangles.data());
-  if (absl::Status status = ReadAttributes(bytes, layout, wanted, mesh); !status.ok()) return status;
+  CopyAll(bytes, TrianglesAt(layout), layout.triangles, stop, mesh.triangles);
+  if (absl::Status status = ReadAttributes(bytes, layout, wanted, stop, mesh); !status.ok()) return status;
+  if (stop.Stopped()) return absl::CancelledError("the request was cancelled");
   if (absl::Status status = CheckMesh(mesh, stop); !status.ok()) return WithCauseOfCore(status);
   return mesh;
 }

@@ -52,6 +52,40 @@ TEST(RawMesh, ArraysAreReadWithTheWantedAttributesInTheirOrder) {
   EXPECT_THAT(mesh->attributes, testing::ElementsAre(0, 7, 0xFFFFFF, 8, 0x10203, 9, 4, 0x7FFFFFFF));
 }
 
+TEST(RawMesh, ACancelledReadIsNoMesh) {
+  StopSource stop;
+  EXPECT_TRUE(ReadRawMesh(absl::Cord(Bytes()), kLayout, {Field::kPart}, stop.Signal()).ok());
+  stop.Stop();
+  EXPECT_EQ(ReadRawMesh(absl::Cord(Bytes()), kLayout, {Field::kPart}, stop.Signal()).status().code(),
+            absl::StatusCode::kCancelled);
+}
+
+// Copies are made piece by piece.
+TEST(RawMesh, ArraysOfManyPiecesAreRead) {
+  constexpr uint32_t kVertices = 300001;
+  std::vector<float> positions(3 * kVertices);
+  std::vector<uint32_t> corners, parts(kVertices), colors(kVertices);
+  for (uint32_t n = 0; n < kVertices; ++n) {
+    positions[3 * n + 1] = static_cast<float>(n);
+    corners.insert(corners.end(), {n, kVertices - 1 - n, n / 2});
+    parts[n] = 5 * n;
+    colors[n] = n;
+  }
+  const std::string bytes = BytesOf(positions) + BytesOf(corners) + BytesOf(parts) + BytesOf(colors);
+  const RawMeshLayout layout{kVertices, kVertices, false, {Field::kPart, Field::kColor}};
+  const auto mesh = ReadRawMesh(absl::Cord(bytes), layout, {Field::kColor, Field::kPart});
+  ASSERT_TRUE(mesh.ok()) << mesh.status();
+  ASSERT_EQ(mesh->vertices.size(), kVertices);
+  ASSERT_EQ(mesh->triangles.size(), kVertices);
+  ASSERT_EQ(mesh->attributes.size(), 2 * kVertices);
+  for (uint32_t n = 0; n < kVertices; ++n) {
+    ASSERT_EQ(mesh->vertices[n], (Vec3f{0, static_cast<float>(n), 0}));
+    ASSERT_EQ(mesh->triangles[n], (std::array<uint32_t, 3>{n, kVertices - 1 - n, n / 2}));
+    ASSERT_EQ(mesh->attributes[2 * n], n);
+    ASSERT_EQ(mesh->attributes[2 * n + 1], 5 * n);
+  }
+}
+
 TEST(RawMesh, FloatsStayFloats) {
   const RawMeshLayout layout{3, 1, false, {}};
   const std::string bytes = BytesOf<float>({0, 0.1F, 0, 1, 0, 0, 0, 1, 0}) + BytesOf<uint32_t>({0, 1, 2});
