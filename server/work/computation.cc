@@ -248,6 +248,7 @@ absl::Status Computation::CreateJob() {
     job_ = *std::move(job);
   }
   running_ = job_.get();
+  if (absl::Status status = CheckCancelled(); !status.ok()) return status;  // see Cancel
   if (absl::Status status = CheckVisits("visited_points (estimated)", visits_); !status.ok()) return status;
   if (absl::Status status = memory_.ReserveJob(estimate_); !status.ok()) return status;
   if (spec_.request.part.resume_after && !job_->facts().HasTile(*spec_.request.part.resume_after)) {
