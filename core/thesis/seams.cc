@@ -41,10 +41,13 @@ size_t LongestAxis(const Vec3i& v) {
 
 // Slices across the edge's longest axis, each with the box around the piece of the edge that its voxels may be near.
 void Seam(const Vec3i& a, const Vec3i& b, const std::vector<Vec3l>& normals, const Neighborhood& neighborhood,
-          EmitVoxel emit) {
+          StopSignal stop, EmitVoxel emit) {
   std::vector<Slab> slabs;
   slabs.reserve(normals.size());
-  for (const Vec3l& normal : normals) slabs.emplace_back(normal, neighborhood.frames);
+  for (const Vec3l& normal : normals) {
+    if (stop.Stopped()) return;
+    slabs.emplace_back(normal, neighborhood.frames);
+  }
   const Tube tube(neighborhood, ToDouble(a), ToDouble(b));
   const Vec3d& ball = neighborhood.ball;
   const Vec3i edge = b - a;
@@ -65,6 +68,7 @@ void Seam(const Vec3i& a, const Vec3i& b, const std::vector<Vec3l>& normals, con
     z[m] = slice;
     for (z[m1] = low[m1]; z[m1] <= high[m1]; ++z[m1]) {
       for (z[m2] = low[m2]; z[m2] <= high[m2]; ++z[m2]) {
+        if (stop.Stopped()) return;  // an edge of millions of triangles takes milliseconds for each voxel
         const Vec3i from_a = z - a;
         if (InSeam(slabs, {from_a[0], from_a[1], from_a[2]}) && tube.Contains(ToDouble(z))) emit(z);
       }

@@ -21,6 +21,7 @@
 
 #include <vector>
 
+#include "core/base/stop_signal.h"
 #include "core/thesis/neighborhood.h"
 
 namespace latvox {
@@ -29,7 +30,7 @@ namespace latvox {
 //   normals   of the edge's triangles, as NormalOf gives them; at least one, none zero
 // Precondition: a != b.
 void Seam(const Vec3i& a, const Vec3i& b, const std::vector<Vec<int64_t, 3>>& normals, const Neighborhood& neighborhood,
-          EmitVoxel emit);
+          StopSignal stop, EmitVoxel emit);
 
 }  // namespace latvox
 

@@ -96,10 +96,10 @@ VoxelSet Seams(const RoundedMesh& mesh, const Vec3i& base_ijk, const Neighborhoo
   return Collect(edges.size(), base_ijk, stop, [&](size_t n, EmitVoxel emit) {
     if (n > 0 && edges[n].SameEdge(edges[n - 1])) return;
     std::vector<Vec<int64_t, 3>> normals;
-    for (size_t use = n; use < edges.size() && edges[use].SameEdge(edges[n]); ++use) {
+    for (size_t use = n; use < edges.size() && edges[use].SameEdge(edges[n]) && !stop.Stopped(); ++use) {
       normals.push_back(NormalOf(mesh.At(edges[use].triangle)));
     }
-    Seam(mesh.PointAt(edges[n].low), mesh.PointAt(edges[n].high), normals, neighborhood, emit);
+    Seam(mesh.PointAt(edges[n].low), mesh.PointAt(edges[n].high), normals, neighborhood, stop, emit);
   });
 }
 

@@ -124,7 +124,7 @@ void ListIncremental(const std::vector<Vec3i>& rounded, const Neighborhood& neig
     for (uint32_t t : triangles) normals.push_back(NormalOf(listing.VoxelTriangleAt(t, rounded)));
     for (uint32_t t : triangles) {
       listing.SetPlane(t, NormalOf(listing.VoxelTriangleAt(t, rounded)));
-      Seam(edge.first, edge.second, normals, neighborhood, emit);
+      Seam(edge.first, edge.second, normals, neighborhood, StopSignal(), emit);
     }
   }
 }

@@ -94,7 +94,7 @@ void TimeIncremental(const SnappedMesh& mesh, const Neighborhood& neighborhood, 
   timing.scan_seconds = LeastSeconds(scan);
   timing.array_seconds = LeastSeconds([&] {
     scan();
-    for (const auto& [edge, normals] : edges) Seam(edge.first, edge.second, normals, neighborhood, emit);
+    for (const auto& [edge, normals] : edges) Seam(edge.first, edge.second, normals, neighborhood, StopSignal(), emit);
   });
   timing.array_voxels = volume.Count();
 }

@@ -1,6 +1,7 @@
 // The thesis's algorithms end soon when they are cancelled.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdint>
 
 #include "tests/unit/core/job_kinds.h"
@@ -17,6 +18,21 @@ TEST(Cancelling, StopsOnManyTrianglesAndOnLargeOnes) {
   const auto large = [](uint32_t radius) { return Sphere(20, static_cast<float>(radius)); };
   EXPECT_LT(MostToStopJob(300, many, kind), kPromised);
   EXPECT_LT(MostToStopJob(400, large, kind), kPromised);
+}
+
+// All triangles have one long edge in common.
+TEST(Cancelling, StopsOnAnEdgeOfManyTriangles) {
+  const auto book = [](uint32_t pages) {
+    TriangleMesh mesh{{{0, 0, 0}, {0, 0, 2000}}, {}};
+    for (uint32_t n = 0; n < pages; ++n) {
+      const double angle = 6.28 * n / pages;
+      mesh.vertices.push_back(
+          {static_cast<float>(300 * std::cos(angle)), static_cast<float>(300 * std::sin(angle)), 0});
+      mesh.triangles.push_back({0, 1, n + 2});
+    }
+    return mesh;
+  };
+  EXPECT_LT(MostToStopJob(2000, book, {"", 0, {.algorithm = Algorithm::kOptimizedIncremental}}), kPromised);
 }
 
 // Enough tetrahedra that the stages around the loop over voxels outlast the promise, too.

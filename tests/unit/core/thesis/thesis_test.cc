@@ -355,7 +355,7 @@ TEST(Seam, IsEveryVoxelNearTheEdgeInTheSlabsOfAllItsTriangles) {
           if (in_all && in_one) expected.insert(ToOracle(z));
         }
         std::set<Int3> voxels;
-        Seam(a, b, normals, neighborhood, [&](const Vec3i& z) { voxels.insert(ToOracle(z)); });
+        Seam(a, b, normals, neighborhood, StopSignal(), [&](const Vec3i& z) { voxels.insert(ToOracle(z)); });
         ASSERT_EQ(voxels, expected) << l.name << " k " << k << " round " << round << " seed " << kSeed;
       }
     }

@@ -253,7 +253,7 @@ std::vector<PlaneVoxel> PlaneVoxels(const SnappedMesh& snapped, const Experiment
     const auto& triangles = entry.second;
     std::vector<Vec<int64_t, 3>> both;
     for (uint32_t t : triangles) both.push_back(normals[t]);
-    Seam(edge.first, edge.second, both, neighborhood, [&](const Vec3i& z) {
+    Seam(edge.first, edge.second, both, neighborhood, StopSignal(), [&](const Vec3i& z) {
       for (uint32_t t : triangles) add(z, t);
     });
   }
