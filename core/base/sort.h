@@ -40,9 +40,9 @@ void MergeAdjacent(std::span<T> first, std::span<T> second, std::vector<T>& left
 
 // Sorts, by std::sort unless there are many elements. Returns soon once cancelled, with the elements in any order.
 template <class T, class Less = std::less<T>>
-void Sort(std::vector<T>& elements, StopSignal stop, const Less& less = {}) {
+void Sort(std::span<T> elements, StopSignal stop, const Less& less = {}) {
   const auto part = [&](size_t begin, size_t end) {
-    return std::span(elements).subspan(begin, std::min(end, elements.size()) - begin);
+    return elements.subspan(begin, std::min(end, elements.size()) - begin);
   };
   for (size_t n = 0; n < elements.size() && !stop.Stopped(); n += kSortedPiece) {
     const std::span<T> piece = part(n, n + kSortedPiece);
@@ -54,6 +54,11 @@ void Sort(std::vector<T>& elements, StopSignal stop, const Less& less = {}) {
       MergeAdjacent(part(n, n + width), part(n + width, n + 2 * width), left, stop, less);
     }
   }
+}
+
+template <class T, class Less = std::less<T>>
+void Sort(std::vector<T>& elements, StopSignal stop, const Less& less = {}) {
+  Sort(std::span(elements), stop, less);
 }
 
 // Does the same, and removes duplicates.

@@ -25,7 +25,13 @@ class ClosedInterior : public Interior {
     // Sums over whole lines are even, or 0 (for other rules than kParity), so no line affects the lines after it.
     sums_.reserve(corners_.size());
     int32_t sum = 0;
-    for (const uint64_t corner : corners_) sums_.push_back(sum += LineCrossing::Turn(corner));
+    for (const uint64_t corner : corners_) {
+      if (stop.Stopped()) {
+        corners_.clear();  // each of them has a sum
+        return;
+      }
+      sums_.push_back(sum += LineCrossing::Turn(corner));
+    }
   }
 
   // It is the same for the whole cube, so a tile that meets the region decides.
@@ -49,9 +55,9 @@ class ClosedInterior : public Interior {
   const SnappedMesh& mesh_;
   const InteriorRule rule_;
   StopSignal stop_;
-  const Vec3i first_tile_;               // of the region
-  const std::vector<uint64_t> corners_;  // of lines through the tiles' corners, in tiles
-  std::vector<int32_t> sums_;            // up to each of them, included
+  const Vec3i first_tile_;           // of the region
+  LineCrossings<uint64_t> corners_;  // of lines through the tiles' corners, in tiles
+  std::vector<int32_t> sums_;        // up to each of them, included
 };
 
 class OpenInterior : public Interior {
@@ -106,7 +112,7 @@ class OpenInterior : public Interior {
   }
 
   const InteriorRule rule_;
-  const std::vector<uint64_t> crossings_;
+  const LineCrossings<uint64_t> crossings_;
 };
 
 std::unique_ptr<Interior> MakeClosedInterior(const SnappedMesh& mesh, InteriorRule rule, const IndexBox& region,

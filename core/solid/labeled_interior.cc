@@ -19,15 +19,16 @@ namespace latvox {
 namespace {
 
 template <int kUnitBits>
-std::vector<LabeledCrossing> FindLabeledCrossings(const SnappedMesh& mesh, const Labels& labels, const IndexBox& region,
-                                                  StopSignal stop) {
+LineCrossings<LabeledCrossing> FindLabeledCrossings(const SnappedMesh& mesh, const Labels& labels,
+                                                    const IndexBox& region, StopSignal stop) {
   return FindLineCrossings<kUnitBits>(mesh, region, stop, [&](size_t t, uint64_t place) {
     return LabeledCrossing{place, labels.of_triangles[t]};
   });
 }
 
 // The first crossing at or after a place.
-std::vector<LabeledCrossing>::const_iterator FirstFrom(const std::vector<LabeledCrossing>& crossings, uint64_t place) {
+LineCrossings<LabeledCrossing>::const_iterator FirstFrom(const LineCrossings<LabeledCrossing>& crossings,
+                                                         uint64_t place) {
   return std::lower_bound(crossings.begin(), crossings.end(), LabeledCrossing{place, 0});
 }
 
@@ -74,7 +75,10 @@ class ClosedLabeledInterior : public Interior {
     counts_.reserve(corners_.size());
     uint32_t count = 0;
     for (const LabeledCrossing& corner : corners_) {
-      if (stop.Stopped()) return;
+      if (stop.Stopped()) {
+        corners_.clear();  // each of them has a count
+        return;
+      }
       int32_t& sum = sums[corner.rank];
       count -= IsInside(rule, sum) ? 1 : 0;
       sum += LineCrossing::Turn(corner.place);
@@ -160,9 +164,9 @@ class ClosedLabeledInterior : public Interior {
   const Labels& labels_;
   const InteriorRule rule_;
   StopSignal stop_;
-  const Vec3i first_tile_;                      // of the region
-  const std::vector<LabeledCrossing> corners_;  // of lines through the tiles' corners, in tiles
-  std::vector<uint32_t> counts_;                // of labels that contain the points above each of them
+  const Vec3i first_tile_;                  // of the region
+  LineCrossings<LabeledCrossing> corners_;  // of lines through the tiles' corners, in tiles
+  std::vector<uint32_t> counts_;            // of labels that contain the points above each of them
 };
 
 class OpenLabeledInterior : public Interior {
@@ -228,7 +232,7 @@ class OpenLabeledInterior : public Interior {
 
   const Labels& labels_;
   const InteriorRule rule_;
-  std::vector<LabeledCrossing> crossings_;
+  LineCrossings<LabeledCrossing> crossings_;
 };
 
 std::unique_ptr<Interior> MakeClosedLabeledInterior(const SnappedMesh& mesh, const Labels& labels, InteriorRule rule,

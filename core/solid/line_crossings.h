@@ -8,10 +8,13 @@
 #include <algorithm>
 #include <cstdint>
 #include <numeric>
+#include <span>
 #include <utility>
 #include <vector>
 
+#include "core/base/sort.h"
 #include "core/base/stop_signal.h"
+#include "core/base/uninitialized.h"
 #include "core/snap/snap.h"
 #include "core/solid/axis_crossing.h"
 
@@ -60,24 +63,51 @@ struct LabeledCrossing {
 inline uint64_t PlaceOf(uint64_t crossing) { return crossing; }
 inline uint64_t PlaceOf(const LabeledCrossing& crossing) { return crossing.place; }
 
-// Joins the parts, ascending. It works by slabs, so it ends soon once cancelled, with a meaningless result.
+// The number of crossings grows with the square of the resolution, so arrays of them begin without zeros.
 template <class Crossing>
-std::vector<Crossing> SortedLineCrossings(std::vector<std::vector<Crossing>>&& parts, StopSignal stop) {
+using LineCrossings = UninitializedVector<Crossing>;
+
+// Crossings in the order of their discovery, in pieces: a large array would be copied, and freed, at once.
+template <class Crossing>
+class CrossingList {
+ public:
+  void Add(const Crossing& crossing) {
+    if (pieces_.empty() || pieces_.back().size() == kSortedPiece) pieces_.emplace_back();
+    pieces_.back().push_back(crossing);
+  }
+  // Calls f with each of them, in order. Ends soon once cancelled.
+  template <class F>
+  void ForEach(StopSignal stop, const F& f) const {
+    for (const std::vector<Crossing>& piece : pieces_) {
+      if (stop.Stopped()) return;
+      for (const Crossing& crossing : piece) f(crossing);
+    }
+  }
+
+ private:
+  std::vector<std::vector<Crossing>> pieces_;
+};
+
+// Joins the parts, ascending. Ends soon once cancelled, with a meaningless result.
+template <class Crossing>
+LineCrossings<Crossing> SortedLineCrossings(std::vector<CrossingList<Crossing>>&& parts, StopSignal stop) {
   // The place of each slab's next crossing; at the end, the slab's end.
   std::vector<size_t> next(LineCrossing::kSlabs + 1);
   for (const auto& part : parts) {
-    for (const Crossing& crossing : part) ++next[LineCrossing::Slab(PlaceOf(crossing)) + 1];
+    part.ForEach(stop, [&](const Crossing& c) { ++next[LineCrossing::Slab(PlaceOf(c)) + 1]; });
   }
+  if (stop.Stopped()) return {};
   std::partial_sum(next.begin(), next.end(), next.begin());
-  std::vector<Crossing> all(next.back());
+  LineCrossings<Crossing> all(next.back());
   for (auto& part : parts) {
-    if (stop.Stopped()) return all;
-    for (const Crossing& crossing : part) all[next[LineCrossing::Slab(PlaceOf(crossing))]++] = crossing;
-    part = std::vector<Crossing>();  // {} would keep its memory
+    part.ForEach(stop, [&](const Crossing& c) { all[next[LineCrossing::Slab(PlaceOf(c))]++] = c; });
+    if (stop.Stopped()) return {};
+    part = {};
   }
   oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<size_t>(0, LineCrossing::kSlabs), [&](const auto& slabs) {
     for (size_t n = slabs.begin(); n < slabs.end() && !stop.Stopped(); ++n) {
-      std::sort(all.data() + (n == 0 ? 0 : next[n - 1]), all.data() + next[n]);
+      const size_t begin = n == 0 ? 0 : next[n - 1];
+      Sort(std::span(all).subspan(begin, next[n] - begin), stop);
     }
   });
   return all;
@@ -95,7 +125,7 @@ auto FindLineCrossings(const SnappedMesh& mesh, const IndexBox& region, StopSign
                         {region.min[1] >> kVoxelBits, (region.max[1] - 1) >> kVoxelBits}};
   constexpr int32_t kRows = 64;  // of lines, between polls of the stop signal
   const size_t count = mesh.triangles.size();
-  std::vector<std::vector<Crossing>> parts((count + kChunk - 1) / kChunk);
+  std::vector<CrossingList<Crossing>> parts((count + kChunk - 1) / kChunk);
   oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<size_t>(0, parts.size()), [&](const auto& numbers) {
     for (size_t n = numbers.begin(); n < numbers.end(); ++n) {
       for (size_t t = n * kChunk; t < std::min(count, (n + 1) * kChunk); ++t) {
@@ -107,7 +137,7 @@ auto FindLineCrossings(const SnappedMesh& mesh, const IndexBox& region, StopSign
         for (int64_t j = std::max(first, lines.b.first); j <= last && !stop.Stopped(); j += kRows) {
           ForEachAxisCrossing<kUnitBits>(triangle, 2, {lines.a, {j, std::min(j + kRows - 1, last)}},
                                          [&](int32_t i, int32_t line_j, int32_t above, int32_t turn) {
-                                           parts[n].push_back(make(t, LineCrossing::Make(i, line_j, above, turn)));
+                                           parts[n].Add(make(t, LineCrossing::Make(i, line_j, above, turn)));
                                          });
         }
       }
@@ -117,7 +147,7 @@ auto FindLineCrossings(const SnappedMesh& mesh, const IndexBox& region, StopSign
 }
 
 template <int kUnitBits>
-std::vector<uint64_t> FindLineCrossings(const SnappedMesh& mesh, const IndexBox& region, StopSignal stop) {
+LineCrossings<uint64_t> FindLineCrossings(const SnappedMesh& mesh, const IndexBox& region, StopSignal stop) {
   return FindLineCrossings<kUnitBits>(mesh, region, stop, [](size_t, uint64_t place) { return place; });
 }
 

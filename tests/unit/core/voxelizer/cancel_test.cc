@@ -58,6 +58,23 @@ TEST(Cancelling, StopsALabeledWalkOfManyTrianglesInFewVoxels) {
   EXPECT_LT(MostToStopJob(400000, heap, kind), kPromised);
 }
 
+// The crossings of all layers lie in one slab.
+TEST(Cancelling, StopsAnOpenSolidOfLayersInOneSlab) {
+  const auto layers = [](uint32_t count) {
+    TriangleMesh mesh;
+    for (uint32_t n = 0; n < count; ++n) {
+      const auto at = static_cast<uint32_t>(mesh.vertices.size());
+      const auto k = static_cast<float>(2 * n);
+      for (const auto& [i, j] : {std::pair(0.F, 0.F), {60.F, 0.F}, {60.F, 4000.F}, {0.F, 4000.F}}) {
+        mesh.vertices.push_back({i, j, k});
+      }
+      mesh.triangles.insert(mesh.triangles.end(), {{at, at + 1, at + 2}, {at, at + 2, at + 3}});
+    }
+    return mesh;
+  };
+  EXPECT_LT(MostToStopJob(20, layers, {"", 0, {.set = Solid{.force_open = true}}}), kPromised);
+}
+
 // All vertices are looked at before any is moved.
 TEST(Cancelling, StopsToMakeAFinerMesh) {
   SnappedMesh mesh;
