@@ -1,5 +1,6 @@
 #include "core/walk/plan.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -12,29 +13,36 @@
 namespace latvox {
 namespace {
 
-double SquareTo(const Grid& grid, const Vec3i& ijk, const Vec3d& world) {
-  const Vec3d d = Apply(grid.lattice.basis(), ToDouble(ijk)) + grid.origin - world;
+// Returns the square of the distance of a lattice point from the origin plus `offset`, in units near the basis. Squares
+// of other units may all be 0 or infinite, and sums with a far origin may all be equal.
+double SquareTo(const Lattice& lattice, const Vec3i& ijk, const Vec3d& offset) {
+  double longest = 0;
+  for (const Vec3d& step : lattice.basis()) {
+    for (const double x : step) longest = std::max(longest, std::abs(x));
+  }
+  Vec3d d = Apply(lattice.basis(), ToDouble(ijk)) - offset;
+  for (double& x : d) x = std::scalbn(x, -std::ilogb(longest));
   return Dot(d, d);
 }
 
 }  // namespace
 
-// A point has no nearer neighbor iff its cell holds the position, because the neighbors' bisectors bound the cell. The
-// square falls with each step, so the way ends.
+// A point has no nearer neighbor iff its cell holds the position, because the neighbors' bisectors bound the cell. With
+// each step the square falls, or the point is an earlier one of equally near ones. There are few, so the way ends.
 Vec3i NearestPoint(const Grid& grid, const Vec3d& world) {
-  const Vec3d at = Apply(grid.lattice.inverse(), world - grid.origin);
+  const Vec3d offset = world - grid.origin, at = Apply(grid.lattice.inverse(), offset);
   constexpr double kFar = int64_t{1} << (kPositionBits + 1);
   Vec3i ijk;
   for (size_t m = 0; m < 3; ++m) {
     if (!(std::abs(at[m]) < kFar)) return Vec3i{1, 1, 1} * static_cast<int32_t>(-kFar);
     ijk[m] = static_cast<int32_t>(std::nearbyint(at[m]));
   }
-  double least = SquareTo(grid, ijk, world);
+  double least = SquareTo(grid.lattice, ijk, offset);
   for (bool moved = true; std::exchange(moved, false);) {
     const Vec3i from = ijk;
     for (const Neighbor<3>& neighbor : grid.lattice.neighbors()) {
       const Vec3i other = from + neighbor.w;
-      const double square = SquareTo(grid, other, world);
+      const double square = SquareTo(grid.lattice, other, offset);
       if (square > least || (square == least && !(other < ijk))) continue;
       least = square;
       ijk = other;
