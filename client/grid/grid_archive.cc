@@ -32,6 +32,7 @@ class VdbArchive final : public GridArchive, openvdb::io::Archive {
         entry.grid = grid;
       }
       names_.insert(entry.descriptor.gridName());
+      if (entry.descriptor.gridType() == openvdb::BoolGrid::gridType()) bool_names_.insert(entry.descriptor.gridName());
       entries_.emplace(entry.descriptor.gridName(), std::move(entry));
     }
   }

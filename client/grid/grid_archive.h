@@ -21,6 +21,12 @@ class GridArchive {
   const std::set<std::string>& names() const { return names_; }
   bool HasGrid(const std::string& name) const { return names_.contains(name); }
 
+  // The names of bool grids.
+  const std::set<std::string>& bool_names() const { return bool_names_; }
+
+  // Returns whether the distances of a band are the only voxels that latvox could mean.
+  bool IsBand() const { return HasGrid("distance") && !HasGrid("voxels") && !bool_names_.contains("distance"); }
+
   // Returns the first of all names, in lexicographic order. Precondition: !empty().
   const std::string& FirstName() const { return *names_.begin(); }
 
@@ -28,7 +34,7 @@ class GridArchive {
   virtual openvdb::GridBase::Ptr ReadGrid(const std::string& name) = 0;
 
  protected:
-  std::set<std::string> names_;
+  std::set<std::string> names_, bool_names_;
 };
 
 // Opens the grids of a .vdb file. `in` must outlive the archive.

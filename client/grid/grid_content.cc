@@ -209,7 +209,7 @@ absl::StatusOr<GridContent> ReadSet(GridArchive& archive, const std::string& pat
 
 absl::StatusOr<GridContent> ReadGridContent(std::istream& in, const std::string& path, bool values) {
   return WithArchive(in, path, [&](GridArchive& archive) -> absl::StatusOr<GridContent> {
-    if (!archive.empty() && archive.FirstName() == "distance" && !archive.HasGrid("voxels")) {
+    if (archive.IsBand()) {
       const auto grid = openvdb::gridPtrCast<openvdb::FloatGrid>(archive.ReadGrid("distance"));
       if (grid) return ReadBand(*grid, path, values);
     }

@@ -59,7 +59,7 @@ auto WithFile(const std::string& path, const Read& read) -> decltype(read(std::d
   return WithArchive(*file, path, read);
 }
 
-// Reads the voxels of the grid "voxels", or else of the first grid. Errors as in ReadGridFile.
+// Reads the voxels of the grid "voxels", or else of the only bool grid. Errors as in ReadGridFile.
 absl::StatusOr<GridFile> ReadVoxels(GridArchive& archive, const std::string& path);
 
 // Looks at each leaf.

@@ -70,6 +70,7 @@ class NanoArchive final : public GridArchive {
   explicit NanoArchive(std::istream& in) : in_(in) {
     for (NanoFrameGrid& grid : ReadNanoFrame(in_)) {
       names_.insert(grid.name);
+      if (grid.header.gridType == nanovdb::GridType::Boolean) bool_names_.insert(grid.name);
       grids_.emplace(grid.name, std::move(grid));
     }
   }

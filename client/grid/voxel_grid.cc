@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <new>
+#include <set>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
@@ -73,10 +74,16 @@ absl::StatusOr<GridFile> Content(const openvdb::GridBase::Ptr& first, const std:
 
 absl::Status NoMemoryForVoxels() { return absl::ResourceExhaustedError("not enough memory for the OpenVDB grid"); }
 
-// Returns the name of the grid that is read. Other grids may stand before it, because of their names.
+// Returns the name of the grid that is read. Files of other programs have other names, and grids of other types.
 absl::StatusOr<std::string> SetName(const GridArchive& archive, const std::string& path) {
   if (archive.empty()) return NoGrid(path);
-  return archive.HasGrid("voxels") ? "voxels" : archive.FirstName();
+  if (archive.HasGrid("voxels")) return "voxels";
+  if (archive.IsBand()) return "distance";
+  const std::set<std::string>& names = archive.bool_names();
+  if (names.empty()) return archive.FirstName();
+  if (names.size() == 1) return *names.begin();
+  return absl::InvalidArgumentError(absl::StrCat(path, ": has the bool grids ", Printable(absl::StrJoin(names, ", ")),
+                                                 "; latvox reads the one with the name \"voxels\", or the only one"));
 }
 
 }  // namespace

@@ -43,6 +43,19 @@ std::string Printable(absl::string_view text) {
   return out;
 }
 
+std::string ValidUtf8(absl::string_view text) {
+  std::string out;
+  while (!text.empty()) {
+    const auto byte = [&](size_t n) { return n < text.size() ? static_cast<uint8_t>(text[n]) : uint8_t{0}; };
+    size_t length = CharacterLength(text);
+    if (byte(0) < 0x80) length = 1;                                         // controls are characters here
+    if (byte(0) == 0xC2 && byte(1) >= 0x80 && byte(1) <= 0x9F) length = 2;  // and so are U+0080 to U+009F
+    absl::StrAppend(&out, length == 0 ? "\xEF\xBF\xBD" : text.substr(0, length));
+    text.remove_prefix(std::max<size_t>(length, 1));
+  }
+  return out;
+}
+
 absl::Status PrintableStatus(const absl::Status& status) {
   absl::Status out(status.code(), Printable(status.message()));
   status.ForEachPayload([&out](absl::string_view type, const absl::Cord& text) { out.SetPayload(type, text); });

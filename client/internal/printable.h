@@ -1,4 +1,4 @@
-// Foreign text in messages. Internal to the SDK.
+// Foreign text in messages and names. Internal to the SDK.
 #ifndef LATVOX_CLIENT_INTERNAL_PRINTABLE_H_
 #define LATVOX_CLIENT_INTERNAL_PRINTABLE_H_
 
@@ -12,7 +12,10 @@ namespace latvox::client {
 // Returns the text with an escape, such as \x1b, in place of each control character and of each byte that is not UTF-8.
 std::string Printable(absl::string_view text);
 
-// Does the same with the message of a status, and keeps its code and its details.
+// Returns the text with the replacement character, U+FFFD, in place of each byte that is not UTF-8.
+std::string ValidUtf8(absl::string_view text);
+
+// Does as Printable with the message of a status, and keeps its code and its details.
 absl::Status PrintableStatus(const absl::Status& status);
 
 }  // namespace latvox::client

@@ -6,6 +6,7 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "absl/strings/str_cat.h"
+#include "client/internal/printable.h"
 #include "latvox/error.h"
 
 namespace latvox::client {
@@ -45,10 +46,10 @@ uint32_t NextPart(const Mesh& mesh) {
   return last.first < mesh.triangles.size() ? last.part + 1 : last.part;
 }
 
-void SetName(uint32_t number, std::string name, std::vector<std::string>& names) {
+void SetName(uint32_t number, absl::string_view name, std::vector<std::string>& names) {
   if (names.size() <= number && name.empty()) return;
   if (names.size() <= number) names.resize(size_t{number} + 1);
-  names[number] = std::move(name);
+  names[number] = ValidUtf8(name);
 }
 
 Color ToColor(const float* rgb) {

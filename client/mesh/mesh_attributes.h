@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "absl/strings/string_view.h"
 #include "client/mesh/mesh.h"
 #include "latvox/types.h"
 
@@ -28,8 +29,9 @@ Color ToColor(const float* rgb);
 // place.
 void ColorCorners(const std::vector<std::array<Color, 3>>& colors, Mesh& mesh);
 
-// Names a part or material; "": unknown.
-void SetName(uint32_t number, std::string name, std::vector<std::string>& names);
+// Names a part or material; "": unknown. Bytes that are not UTF-8 become U+FFFD, because most formats of results hold
+// text alone.
+void SetName(uint32_t number, absl::string_view name, std::vector<std::string>& names);
 
 // Returns INVALID_ARGUMENT naming the first attribute that some of the mesh lacks, with the reason if its file has
 // colors that are not read.

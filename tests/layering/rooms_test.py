@@ -44,7 +44,8 @@ LIMITS = {
     # from the tool.
     # Three are of tool/remote: cli calls it, and it takes options of calls from the SDK, and outputs.
     # Grids write the labels of a request as json does it for the tool.
-    "client": Limits(rooms=17, most_rooms=22, arrows=60, most_arrows=60, upward=0),
+    # Names of meshes are valid texts, by the same rules as messages.
+    "client": Limits(rooms=17, most_rooms=22, arrows=61, most_arrows=61, upward=0),
 }
 
 # The public headers of the SDK may include each other, the standard library and abseil. One header is about OpenVDB.

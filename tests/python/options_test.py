@@ -167,6 +167,9 @@ def test_dims_and_pad_shape_dense_arrays(tmp_path, server):
     assert np.allclose(affine[:3, 3], v.origin + v.basis.T @ np.array(index_min))
     v.save(tmp_path / "own.npz")
     assert np.array_equal(np.load(tmp_path / "own.npz")["data"].astype(bool), data)
+    nothing = server.voxelize(mesh, resolution=9, dims=(8, 9, 10), region=(900, 0, 0, 901, 1, 1))
+    nothing.save(tmp_path / "nothing.npz")
+    assert len(nothing) == 0 and tuple(np.load(tmp_path / "nothing.npz")["index_min"]) == nothing.dense().index_min
     with pytest.raises(latvox.InvalidArgument, match=r"dense\(\): dims: 4 along i is less than the"):
         server.voxelize(mesh, resolution=9, dims=(4, 40, 40)).dense()
 

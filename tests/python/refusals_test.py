@@ -1,6 +1,7 @@
 """Errors about files name the argument, the file, and the formats that can."""
 
 import os
+import pathlib
 
 import harness
 import latvox
@@ -45,6 +46,21 @@ def test_save_and_convert_refuse_a_format_without_the_fields(name, cubes):
         able = error.limit.split()
         assert {".vdb", ".npz", ".h5"} <= set(able) <= set(latvox.EXTENSIONS)
         assert name[1:] not in able and error.limit in str(error)
+
+
+@pytest.mark.parametrize("name", ["50% fill.mhd", "LIST.mhd", " lead.mhd"])
+def test_readers_of_mhd_take_the_name_of_the_data_for_that_of_one_file(name, cubes):
+    error = refusal(lambda: cubes.save(name, array="none"))
+    assert (error.reason, error.field, error.value) == ("BAD_SPEC", "path", name)
+    assert not os.path.exists(name) and not os.path.exists(name.replace(".mhd", ".raw"))
+
+
+def test_the_data_of_a_mhd_are_not_written_over_the_mesh():
+    text = pathlib.Path(harness.BUNNY).read_bytes()
+    pathlib.Path("in.raw").write_bytes(text)
+    with pytest.raises(latvox.InvalidArgument, match="is the mesh itself"):
+        latvox.voxelize("in.raw", input_format="obj", resolution=9, out="in.mhd")
+    assert pathlib.Path("in.raw").read_bytes() == text
 
 
 @pytest.mark.parametrize("name", ["v.vti", "v.vox", "v.binvox"])

@@ -5,6 +5,7 @@
 #include <limits>
 #include <set>
 
+#include "absl/strings/ascii.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
 #include "absl/strings/strip.h"
@@ -123,8 +124,10 @@ OptionRow JsonRow(const std::string& help, bool& json) { return {.names = "--jso
 void CheckOutputs(const std::vector<std::string>& outputs, const std::string& input, absl::string_view what) {
   std::set<std::filesystem::path> places;
   for (const std::string& output : outputs) {
+    std::filesystem::path data = Place(output);  // of a .mhd, they lie beside it
+    if (absl::AsciiStrToLower(data.extension().string()) == ".mhd") data.replace_extension(".raw");
     const bool is_new = places.insert(Place(output)).second;
-    if (is_new && Place(output) != Place(input)) continue;
+    if (is_new && Place(output) != Place(input) && data != Place(input)) continue;
     const std::string why = is_new ? absl::StrCat("is the ", what, " itself") : "is given twice";
     throw UsageError(absl::StrCat("--out: \"", output, "\" ", why), {"--out", output});
   }

@@ -65,8 +65,8 @@ absl::Status DenseFields::Add(const BrickBatch& batch) {
 
 absl::Status DenseFields::Finish() {
   box_.Sort();
-  if (!voxels_.box()) return shape_.dims ? absl::OkStatus() : SetBox(without_voxels_);
-  const auto box = ShapedBox(*voxels_.box(), shape_, target_);
+  if (!voxels_.box() && !shape_.dims) return SetBox(without_voxels_);
+  const auto box = ShapedBox(voxels_.box().value_or(IndexBox{}), shape_, target_);
   return box.ok() ? SetBox(*box) : box.status();
 }
 

@@ -8,7 +8,9 @@
 #include <string>
 #include <utility>
 
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "client/internal/file_error.h"
 #include "client/tool/output/deflater.h"
 #include "client/tool/output/dense_fields.h"
 #include "client/tool/output/image_header.h"
@@ -45,6 +47,12 @@ DenseArray AsLabels(const DenseArray& array) {
   return {array.name, array.type, array.components, empty, put};
 }
 
+// MetaIO's readers take a % for a pattern of numbers and LIST for a list of names. They skip spaces at the start.
+bool CanNameData(const std::string& name) {
+  const auto is_wrong = [](unsigned char c) { return c < ' ' || c == '%'; };
+  return !absl::StartsWith(name, " ") && !absl::StartsWith(name, "LIST") && std::ranges::none_of(name, is_wrong);
+}
+
 class ImageOutput final : public Output {
  public:
   ImageOutput(std::unique_ptr<AtomicFile> file, ImageFormat format, const std::vector<Field>& fields,
@@ -63,8 +71,10 @@ class ImageOutput final : public Output {
     if (format_ != ImageFormat::kMetaPair) return absl::OkStatus();
     const std::filesystem::path data_path = std::filesystem::path(file_->target()).replace_extension(".raw");
     const std::string name = data_path.filename().string();
-    if (std::any_of(name.begin(), name.end(), [](unsigned char c) { return c < ' '; })) {
-      return absl::InvalidArgumentError(absl::StrCat(file_->target(), ": a line of a .mhd cannot hold this name"));
+    if (!CanNameData(name)) {
+      return WithFile(absl::InvalidArgumentError(absl::StrCat(
+                          file_->target(), ": readers of .mhd take this name for a list or a pattern of files")),
+                      "--out", file_->target(), "a name without %, control characters, LIST or spaces at its start");
     }
     auto data = AtomicFile::Create(data_path.string(), AtomicFile::Form::kUnnamed, file_->cancellation());
     if (!data.ok()) return data.status();

@@ -33,11 +33,11 @@ struct GridContent {
   BrickBatch Batch() const { return {file.bricks, 1, fields}; }
 };
 
-// Reads voxels like ReadGridFile, with the grids of fields (see latvox/grid/field_grids.h). If the file's first grid
-// has floats and is named "distance", reads a band (see latvox/grid/distance_grid.h). Facts that the metadata lack come
-// from the distances. Memory: that of ReadGridFile, the fields, and one grid at a time while it reads: see
-// DistanceGrid, FieldGrids. Errors: as ReadGridFile; INVALID_ARGUMENT if a grid has other voxels than the set, or
-// values that latvox does not write.
+// Reads voxels like ReadGridFile, with the grids of fields (see latvox/grid/field_grids.h). If the file has no grid
+// "voxels", but one of floats with the name "distance", reads a band (see latvox/grid/distance_grid.h). Facts that the
+// metadata lack come from the distances. Memory: that of ReadGridFile, the fields, and one grid at a time while it
+// reads: see DistanceGrid, FieldGrids. Errors: as ReadGridFile; INVALID_ARGUMENT if a grid has other voxels than the
+// set, or values that latvox does not write.
 //   values   false: leaves out the fields
 LATVOX_EXPORT absl::StatusOr<GridContent> ReadGridContent(const std::string& path, bool values = true);
 

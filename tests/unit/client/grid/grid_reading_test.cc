@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "client/grid/openvdb_trees.h"
+#include "latvox/grid/grid_content.h"
 #include "latvox/grid/openvdb_grid.h"
 #include "latvox/grid/voxel_grid.h"
 #include "tests/unit/client/files.h"
@@ -48,6 +49,35 @@ TEST_F(GridReading, VoxelsThatAreNotBooleanAreRefused) {
   const auto vast = openvdb::BoolGrid::create();
   vast->fill(openvdb::CoordBBox(openvdb::Coord(0), openvdb::Coord(4095)), true);
   EXPECT_THAT(refusal(vast), HasSubstr("o.vdb: has active tiles of 68719476736 voxels, more than 17179869184"));
+}
+
+TEST_F(GridReading, OfSeveralGridsTheOneWithVoxelsIsRead) {
+  openvdb::initialize();
+  const auto named = [](openvdb::GridBase::Ptr grid, const char* name) {
+    grid->setName(name);
+    return grid;
+  };
+  const auto mask = openvdb::BoolGrid::create();
+  mask->tree().setValueOn(openvdb::Coord(1, 2, 3));
+  const auto read = [&](const openvdb::GridPtrVec& grids) {
+    openvdb::io::File(Path("o.vdb")).write(grids);
+    return ReadGridFile(Path("o.vdb"));
+  };
+  const auto density = named(openvdb::FloatGrid::create(), "density");  // before "mask"
+  const auto only = read({density, named(mask->deepCopy(), "mask")});
+  ASSERT_TRUE(only.ok()) << only.status();
+  EXPECT_EQ(only->info.active_voxels, 1U);
+  const auto several = read({named(mask->deepCopy(), "b"), named(openvdb::BoolGrid::create(), "a"), density});
+  EXPECT_THAT(std::string(several.status().message()), HasSubstr("has the bool grids a, b; latvox reads the one with"));
+  EXPECT_TRUE(read({named(openvdb::BoolGrid::create(), "a"), named(mask->deepCopy(), "voxels")}).ok());
+  const auto distance = openvdb::FloatGrid::create();
+  distance->tree().setValueOn(openvdb::Coord(0, 0, 0), 0.5F);
+  distance->tree().setValueOn(openvdb::Coord(0, 0, 1), 0.5F);
+  read({named(mask->deepCopy(), "a"), named(distance, "distance")}).IgnoreError();
+  const auto band = ReadGridContent(Path("o.vdb"));
+  ASSERT_TRUE(band.ok()) << band.status();
+  EXPECT_TRUE(band->is_band);
+  EXPECT_EQ(band->file.info.active_voxels, 2U);
 }
 
 TEST_F(GridReading, TilesOfOtherProgramsAreReadAsTheirVoxels) {

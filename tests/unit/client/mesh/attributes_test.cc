@@ -110,6 +110,13 @@ TEST(MeshAttributes, OfPlyThatAreNoColorsAreMissedForAReason) {
               HasSubstr("(red 9 of face 0 is not within 0 and 1, the range of type float)"));
 }
 
+TEST(MeshAttributes, OfNamesThatAreNotUtf8AreText) {
+  const auto mesh = ParseObj("v 0 0 0\nv 1 0 0\nv 0 1 0\no caf\xe9\nusemtl \xc3\xa9\xff\nf 1 2 3\n");
+  ASSERT_TRUE(mesh.ok()) << mesh.status();
+  EXPECT_THAT(mesh->part_names, ElementsAre("caf\uFFFD"));
+  EXPECT_THAT(mesh->material_names, ElementsAre("\u00e9\uFFFD"));
+}
+
 // Two triangles and a quad on four vertices; the colors stand before and after the corners.
 absl::StatusOr<Mesh> PlyOfColoredFaces(const std::string& vertices, const std::string& faces,
                                        const ParseOptions& options = {}) {
