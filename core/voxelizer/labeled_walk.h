@@ -67,6 +67,10 @@ class LabeledWalk : public FilledTiles {
   struct OfLabel {
     std::unique_ptr<ExactPlan> plan;
     std::unique_ptr<const Walk> walk;
+    // Of tiles: all others lie outside. A walk answers by a dozen look-ups, and there may be thousands of walks.
+    IndexBox tiles;
+
+    bool MayHold(const Vec3i& tile_ijk, int level) const;
   };
 
   explicit LabeledWalk(const ExactPlan& plan) : plan_(plan), places_(plan.input.mesh.triangles.size()) {}

@@ -54,13 +54,6 @@ absl::StatusOr<std::optional<WalkPlan>> PlanOfWalk(const VoxelRequest& request, 
   return MakeWalkPlan(*request.walk(), grid, grid.lattice.frames(request.separability), stop);
 }
 
-// The box also holds what the walk keeps out of.
-Vec3i ReachOfWalk(const WalkPlan& walk) {
-  Vec3i reach = walk.steps.reach;
-  for (size_t m = 0; walk.close && m < 3; ++m) reach[m] = std::max(reach[m], 2 * walk.close->reach[m]);
-  return reach;
-}
-
 absl::Status CheckFieldsOf(const TriangleMesh& mesh, const FieldList& of_mesh) {
   if (mesh.attributes.size() == mesh.vertex_count() * of_mesh.size()) return absl::OkStatus();
   return absl::InvalidArgumentError(absl::StrCat("fields: the mesh has ", mesh.attributes.size(), " numbers for ",
@@ -105,7 +98,7 @@ absl::StatusOr<std::unique_ptr<VoxelizeJob>> MakeJob(Mesh mesh, const Grid& grid
   const std::vector<Frame>& frames = grid.lattice.frames(request.separability);
   const bool exact = request.algorithm() == Algorithm::kExact;
   const Vec3i reach = *band                        ? (*band)->reach * 2  // the box covers half a neighbor's step
-                      : *walk                      ? ReachOfWalk(**walk)
+                      : *walk                      ? ReachOf(**walk)
                       : *supercover                ? (*supercover)->Reach()
                       : request.links() != nullptr ? ReachOf(frames) * 2
                       : exact                      ? ReachOf(frames)

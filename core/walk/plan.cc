@@ -27,6 +27,12 @@ double SquareTo(const Lattice& lattice, const Vec3i& ijk, const Vec3d& offset) {
 
 }  // namespace
 
+Vec3i ReachOf(const WalkPlan& walk) {
+  Vec3i reach = walk.steps.reach;
+  for (size_t m = 0; walk.close && m < 3; ++m) reach[m] = std::max(reach[m], 2 * walk.close->reach[m]);
+  return reach;
+}
+
 // A point has no nearer neighbor iff its cell holds the position, because the neighbors' bisectors bound the cell. With
 // each step the square falls, or the point is an earlier one of equally near ones. There are few, so the way ends.
 Vec3i NearestPoint(const Grid& grid, const Vec3d& world) {

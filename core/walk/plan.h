@@ -31,6 +31,9 @@ struct WalkPlan {
   size_t most_packed_bytes = kMostPackedBytes;  // of the pieces of tiles; walks of several labels share them
 };
 
+// Returns, per axis, by how many voxels at most the points that a walk keeps out of surpass the mesh.
+Vec3i ReachOf(const WalkPlan& walk);
+
 // Returns the lattice point nearest to a world position, the lexicographically first of several, as doubles have it. A
 // point beyond the range of lattice coordinates becomes one far outside.
 Vec3i NearestPoint(const Grid& grid, const Vec3d& world);
