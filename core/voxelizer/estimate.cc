@@ -17,31 +17,49 @@
 namespace latvox {
 namespace {
 
+// A unit of length: the power of two at or below the size of what is measured. In world units, an area's square would
+// under- or overflow where sizes are beyond 2^-255 or 2^255. Products with powers of two are exact.
+class Unit {
+ public:
+  explicit Unit(double size) {
+    constexpr int kMost = 1000;  // so that 1 / unit is normal
+    const int exponent = std::clamp(std::ilogb(size), -kMost, kMost);
+    world_ = std::ldexp(1.0, exponent);
+    per_world_ = std::ldexp(1.0, -exponent);
+  }
+
+  double In(double length) const { return length * per_world_; }
+  double World(double length) const { return length * world_; }
+
+ private:
+  double world_, per_world_;
+};
+
 // References into the mesh: copies as doubles, written one by one and read as vectors, take four times as long.
-// Vertex: Vec3f or Vec3d.
+// Vertex: Vec3f or Vec3d. Lengths and areas are in the unit.
 template <class Vertex>
 struct Corners {
   const Vertex &a, &b, &c;
-};
+  const Unit& unit;
 
-template <class Vertex>
-Vec3d Between(const Vertex& from, const Vertex& to) {
-  return {double{to[0]} - from[0], double{to[1]} - from[1], double{to[2]} - from[2]};
-}
+  Vec3d Between(const Vertex& from, const Vertex& to) const {
+    return {unit.In(double{to[0]} - from[0]), unit.In(double{to[1]} - from[1]), unit.In(double{to[2]} - from[2])};
+  }
+};
 
 double LengthOf(const Vec3d& v) { return std::sqrt(Dot(v, v)); }
 
 template <class Vertex>
 double TwiceAreaOf(const Corners<Vertex>& at) {
-  return LengthOf(Cross(Between(at.a, at.b), Between(at.a, at.c)));
+  return LengthOf(Cross(at.Between(at.a, at.b), at.Between(at.a, at.c)));
 }
 
 template <class Vertex>
 double LengthAround(const Corners<Vertex>& at) {
-  return LengthOf(Between(at.a, at.b)) + LengthOf(Between(at.b, at.c)) + LengthOf(Between(at.c, at.a));
+  return LengthOf(at.Between(at.a, at.b)) + LengthOf(at.Between(at.b, at.c)) + LengthOf(at.Between(at.c, at.a));
 }
 
-// The volume of the corners' box with a margin, in voxels.
+// The volume of the corners' box with a margin, in voxels. `size`: of a voxel, world units.
 template <class Vertex>
 double VolumeAround(const Corners<Vertex>& at, double size) {
   double volume = 1;
@@ -54,12 +72,13 @@ double VolumeAround(const Corners<Vertex>& at, double size) {
 
 template <class Vertex>
 double LongestEdge(const Corners<Vertex>& at) {
-  return std::max({LengthOf(Between(at.a, at.b)), LengthOf(Between(at.b, at.c)), LengthOf(Between(at.c, at.a))});
+  return std::max(
+      {LengthOf(at.Between(at.a, at.b)), LengthOf(at.Between(at.b, at.c)), LengthOf(at.Between(at.c, at.a))});
 }
 
 // Reduces f(corners) over all triangles, always in the same order.
 template <class Value, class F, class Join>
-Value Reduce(const TriangleMesh& mesh, StopSignal stop, const F& f, const Join& join) {
+Value Reduce(const TriangleMesh& mesh, const Unit& unit, StopSignal stop, const F& f, const Join& join) {
   using Part = oneapi::tbb::blocked_range<size_t>;
   constexpr size_t kGrain = 16384;  // triangles for each task
   return VisitVertices(mesh, [&](const auto& vertices) {
@@ -69,7 +88,7 @@ Value Reduce(const TriangleMesh& mesh, StopSignal stop, const F& f, const Join& 
         [&](const Part& part, Value value) {
           for (size_t t = part.begin(); t < part.end() && !stop.Stopped(); ++t) {
             const auto& [a, b, c] = mesh.triangles[t];
-            value = join(value, f(Corners<Vertex>{vertices[a], vertices[b], vertices[c]}));
+            value = join(value, f(Corners<Vertex>{vertices[a], vertices[b], vertices[c], unit}));
           }
           return value;
         },
@@ -78,15 +97,23 @@ Value Reduce(const TriangleMesh& mesh, StopSignal stop, const F& f, const Join& 
 }
 
 template <class F>
-double SumOver(const TriangleMesh& mesh, StopSignal stop, const F& f) {
-  return Reduce<double>(mesh, stop, f, std::plus<>());
+double SumOver(const TriangleMesh& mesh, const Unit& unit, StopSignal stop, const F& f) {
+  return Reduce<double>(mesh, unit, stop, f, std::plus<>());
 }
 
-// The volume within `width` of a triangle: a prism on both sides, half a cylinder along each edge, a ball. World units.
+// The volume within `width` of a triangle: a prism on both sides, half a cylinder along each edge, a ball.
 template <class Vertex>
 double VolumeWithin(const Corners<Vertex>& at, double width) {
   using std::numbers::pi;
   return width * (TwiceAreaOf(at) + pi / 2 * width * LengthAround(at) + pi * 4 / 3 * width * width);
+}
+
+// The sum of the volumes within `width` of each triangle, in voxels. `width` and `size`: world units.
+double VolumesWithin(const TriangleMesh& mesh, double width, double size, StopSignal stop) {
+  const Unit unit(size);
+  const double in_unit = unit.In(size);
+  return SumOver(mesh, unit, stop, [&](const auto& corners) { return VolumeWithin(corners, unit.In(width)); }) /
+         (in_unit * in_unit * in_unit);
 }
 
 double VolumeOf(const IndexBox& box) {
@@ -99,9 +126,9 @@ double VolumeOf(const IndexBox& box) {
 // The interior of a surface, by the isoperimetric inequality.
 double EstimateInterior(const MeshExtent& extent, double size, bool closed) {
   double volume = 1;
-  for (size_t m = 0; m < 3; ++m) volume *= extent.bounds.max[m] - extent.bounds.min[m];
-  const double ball = std::pow(extent.area, 1.5) / (6 * std::sqrt(std::numbers::pi));
-  return (closed ? std::min(volume, ball) : volume) / (size * size * size);
+  for (size_t m = 0; m < 3; ++m) volume *= (extent.bounds.max[m] - extent.bounds.min[m]) / size;
+  const double ball = std::pow(extent.area / (size * size), 1.5) / (6 * std::sqrt(std::numbers::pi));
+  return closed ? std::min(volume, ball) : volume;
 }
 
 // A needle is longer than two voxels and thinner than one. Its rows cost as much as those of a thicker triangle, and
@@ -115,16 +142,18 @@ Needles FindNeedles(const TriangleMesh& mesh, const MeshExtent& extent, double s
   constexpr double kShortest = 2, kMoreVoxels = 3.5;  // the 13 steps of k = 0 meet 4.5 times what the area counts
   // Saves a pass over scans, and over meshes of well-shaped triangles.
   if (extent.longest <= kShortest * size || extent.thinnest >= size) return {};
-  const auto of_triangle = [size](const auto& corners) -> Needles {
-    const double length = LongestEdge(corners) / size;
-    const double thickness = TwiceAreaOf(corners) / (size * size) / length;
+  const Unit unit(size);
+  const double in_unit = unit.In(size);
+  const auto of_triangle = [in_unit](const auto& corners) -> Needles {
+    const double length = LongestEdge(corners) / in_unit;
+    const double thickness = TwiceAreaOf(corners) / (in_unit * in_unit) / length;
     if (length <= kShortest || thickness >= 1) return {};
     return {length * (1 - thickness), length * std::min(1 - thickness, kMoreVoxels * thickness)};
   };
   const auto join = [](const Needles& a, const Needles& b) {
     return Needles{a.length + b.length, a.voxels + b.voxels};
   };
-  return Reduce<Needles>(mesh, stop, of_triangle, join);
+  return Reduce<Needles>(mesh, unit, stop, of_triangle, join);
 }
 
 // The voxels that a job finds in the whole space; each counts once for each triangle.
@@ -133,8 +162,9 @@ double EstimateFound(const TriangleMesh& mesh, const MeshExtent& extent, const G
   const double size = grid.lattice.voxel_size();
   double voxels = 2 * extent.area / (size * size) + needles.voxels;
   if (request.is_supercover() || request.algorithm() != Algorithm::kExact) {
-    voxels = SumOver(mesh, stop, [size](const auto& corners) {
-      return TwiceAreaOf(corners) / (size * size) + 2 * LengthAround(corners) / size + 1;
+    const Unit unit(size);
+    voxels = SumOver(mesh, unit, stop, [in_unit = unit.In(size)](const auto& corners) {
+      return TwiceAreaOf(corners) / (in_unit * in_unit) + 2 * LengthAround(corners) / in_unit + 1;
     });
   }
   if (request.links() != nullptr) voxels *= request.links()->side == LinkSide::kBoth ? 2 : 1;
@@ -201,10 +231,9 @@ double VisitsOfClosing(const TriangleMesh& mesh, const MeshExtent& extent, const
                        StopSignal stop) {
   constexpr double kScans = 2, kPerDistance = 4, kPerRow = 1.4;  // at 15 ns
   if (walk.close == 0) return 0;
-  const double width = walk.close / 2;
-  const double rows = std::numbers::pi * width * width * extent.area / (size * size * size * size);
-  const double volume = SumOver(mesh, stop, [width](const auto& corners) { return VolumeWithin(corners, width); });
-  return kScans * kPerDistance * volume / (size * size * size) + kPerRow * rows;
+  const double width = walk.close / 2, voxels = width / size;
+  const double rows = std::numbers::pi * voxels * voxels * (extent.area / (size * size));
+  return kScans * kPerDistance * VolumesWithin(mesh, width, size, stop) + kPerRow * rows;
 }
 
 // Links. Both ends of a link count as found, which covers the stars that are not left out; finding these stars takes
@@ -247,8 +276,10 @@ MeshExtent ExtentOf(const TriangleMesh& mesh, StopSignal stop) {
   const auto join = [](const Sizes& a, const Sizes& b) {
     return Sizes{a.twice_area + b.twice_area, std::max(a.longest, b.longest), std::min(a.thinnest, b.thinnest)};
   };
-  const auto sizes = Reduce<Sizes>(mesh, stop, of_triangle, join);
-  return {BoundsOf(mesh, stop), sizes.twice_area / 2, sizes.longest, sizes.thinnest};
+  const Bounds bounds = BoundsOf(mesh, stop);
+  const Unit unit(bounds.LongestSide());
+  const auto sizes = Reduce<Sizes>(mesh, unit, stop, of_triangle, join);
+  return {bounds, unit.World(unit.World(sizes.twice_area / 2)), unit.World(sizes.longest), unit.World(sizes.thinnest)};
 }
 
 double EstimateVoxels(const TriangleMesh& mesh, const MeshExtent& extent, const Grid& grid, const VoxelRequest& request,
@@ -264,7 +295,8 @@ double EstimateVoxels(const TriangleMesh& mesh, const MeshExtent& extent, const 
 // A line along k stands for a cell's volume over its length. Triangles face it in part, at most in full. Slivers meet
 // more lines than their area suggests, but never more than their box of i and j holds, or than it has rows and columns.
 double EstimateLineCrossings(const TriangleMesh& mesh, const Grid& grid, StopSignal stop) {
-  const double size = grid.lattice.voxel_size(), step = LengthOf(grid.lattice.basis()[2]);
+  const Unit unit(grid.lattice.voxel_size());
+  const double size = unit.In(grid.lattice.voxel_size()), step = unit.In(LengthOf(grid.lattice.basis()[2]));
   const Mat3d& inverse = grid.lattice.inverse();
   const auto lines_along = [&](const auto& at, size_t m) {
     const auto coordinate = [&](const auto& v) {
@@ -275,7 +307,7 @@ double EstimateLineCrossings(const TriangleMesh& mesh, const Grid& grid, StopSig
     const auto [low, high] = std::minmax({coordinate(at.a), coordinate(at.b), coordinate(at.c)});
     return std::max(std::floor(high) - std::ceil(low) + 1, 0.0);
   };
-  return SumOver(mesh, stop, [&](const auto& corners) {
+  return SumOver(mesh, unit, stop, [&](const auto& corners) {
     const double rows = lines_along(corners, 0), columns = lines_along(corners, 1);
     return TwiceAreaOf(corners) * step / (size * size * size) + std::min(rows * columns, rows + columns);
   });
@@ -297,8 +329,7 @@ double EstimateVisits(const TriangleMesh& mesh, const MeshExtent& extent, const 
   const double size = grid.lattice.voxel_size();
   if (request.band() != nullptr) {
     const double width = WidthOf(*request.band(), grid.lattice);
-    const double volume = SumOver(mesh, stop, [&](const auto& corners) { return VolumeWithin(corners, width); });
-    const double visits = volume / (size * size * size);
+    const double visits = VolumesWithin(mesh, width, size, stop);
     const double found = EstimateFound(mesh, extent, grid, request, {}, stop);
     const double delivered = Delivered(found, grid, request);
     return (request.part.shard ? visits / request.part.shard->count : visits) +
@@ -306,7 +337,7 @@ double EstimateVisits(const TriangleMesh& mesh, const MeshExtent& extent, const 
            VisitsOfFraction(mesh, found, delivered, request);
   }
   if (request.algorithm() == Algorithm::kBruteForce) {
-    return SumOver(mesh, stop, [&](const auto& corners) { return VolumeAround(corners, size); });
+    return SumOver(mesh, Unit(size), stop, [&](const auto& corners) { return VolumeAround(corners, size); });
   }
   const Needles needles = FindNeedles(mesh, extent, size, stop);
   const double found = EstimateFound(mesh, extent, grid, request, needles, stop);

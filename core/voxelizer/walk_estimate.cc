@@ -144,12 +144,11 @@ class WallTiles {
         room_(RoomOf(grid, request)),
         margin_(room_.margin()),
         cubes_(LevelFor(margin_), stop),
-        first_level_(cubes_.level()) {
+        first_level_(cubes_.level()),
+        side_(kTileSide * grid.lattice.voxel_size()) {
     // From any point of the tile to one of the wall, and from there to the mesh.
     const Vec3d tile{kTileSide, kTileSide, kTileSide};
-    width_ = room_.width + DiagonalOf(grid, tile + room_.step);
-    const double size = kTileSide * grid.lattice.voxel_size();
-    tile_volume_ = size * size * size;
+    width_ = (room_.width + DiagonalOf(grid, tile + room_.step)) / side_;
   }
 
   template <class Vertex>
@@ -158,7 +157,7 @@ class WallTiles {
     constexpr double kFewCubes = 64;
     const TileBox box = Around({InLattice(a), InLattice(b), InLattice(c)});
     double tiles = box.size();
-    if (tiles > kPoint) tiles = std::min(tiles, VolumeWithin(a, b, c) / tile_volume_);
+    if (tiles > kPoint) tiles = std::min(tiles, VolumeWithin(a, b, c));
     sum_ += tiles;
     if (box.Cubes(first_level_).size() > kFewCubes) {
       of_large_ += tiles;
@@ -194,21 +193,26 @@ class WallTiles {
     return Apply(grid_.lattice.inverse(), Vec3d{v[0], v[1], v[2]} - grid_.origin);
   }
 
-  // A prism on both sides, half a cylinder along each edge, and a ball.
+  // A prism on both sides, half a cylinder along each edge, and a ball. In tiles, because in world units an area's
+  // square may under- or overflow.
   template <class Vertex>
   double VolumeWithin(const Vertex& a, const Vertex& b, const Vertex& c) const {
     using std::numbers::pi;
-    const Vec3d p{a[0], a[1], a[2]}, e = Vec3d{b[0], b[1], b[2]} - p, f = Vec3d{c[0], c[1], c[2]} - p;
+    const Vec3d p{a[0], a[1], a[2]};
+    const Vec3d e = InTiles(Vec3d{b[0], b[1], b[2]} - p), f = InTiles(Vec3d{c[0], c[1], c[2]} - p);
     const double around = LengthOf(e) + LengthOf(f) + LengthOf(f - e);
     return width_ * (LengthOf(Cross(e, f)) + pi / 2 * width_ * around + pi * 4 / 3 * width_ * width_);
   }
 
+  Vec3d InTiles(const Vec3d& v) const { return {v[0] / side_, v[1] / side_, v[2] / side_}; }
+
   const Grid& grid_;
   const WallRoom room_;
   const Vec3d margin_;
-  double width_ = 0, tile_volume_ = 0;  // world units
   Cubes cubes_;
   const int first_level_;  // of the cubes
+  const double side_;      // of a tile of so many voxels, world units
+  double width_ = 0;       // the same sides
   double sum_ = 0, of_large_ = 0;
 };
 

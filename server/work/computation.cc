@@ -202,8 +202,8 @@ bool Computation::VerifiesLong() const {
 
 absl::Status Computation::CheckVisits(absl::string_view what, double visits) const {
   const uint64_t limit = environment_.limits.max_visited_points;
-  if (visits > static_cast<double>(limit)) {
-    const auto estimate = static_cast<uint64_t>(std::min(visits, 1e19));
+  if (!(visits <= static_cast<double>(limit))) {                          // also not a number
+    const auto estimate = static_cast<uint64_t>(std::min(1e19, visits));  // 1e19 for no number
     return MakeError(absl::StatusCode::kResourceExhausted,
                      absl::StrCat(what, " ", estimate, " exceeds ", limit, "; ask for larger voxels or for a part"),
                      {"LIMIT_EXCEEDED", "visited_points", absl::StrCat(estimate), absl::StrCat(limit)});

@@ -5,8 +5,11 @@
 
 #include <cmath>
 #include <random>
+#include <variant>
+#include <vector>
 
 #include "core/voxelizer/voxelizer.h"
+#include "core/voxelizer/walk_estimate.h"
 #include "tests/unit/core/exact.h"
 #include "tests/unit/core/sphere.h"
 
@@ -126,6 +129,64 @@ TEST(EstimateMilliseconds, LeaveTheWorkOfFieldsToTheVisits) {
   EXPECT_EQ(milliseconds({.fields = {Field::kTriangle}}), plain);
   EXPECT_EQ(milliseconds({.fields = {Field::kFraction}, .fraction_n = 8}), plain);
   EXPECT_GT(milliseconds({.set = Band{.width = 1}}), plain);  // each visit finds a distance
+}
+
+// A sphere, needles, and a triangle with many tiles.
+TriangleMesh Mixture() {
+  TriangleMesh mesh = Sphere(40, 50);
+  const TriangleMesh needles = Needles(100, 60, 0.1F);
+  const auto first = static_cast<uint32_t>(mesh.vertices.size());
+  mesh.vertices.insert(mesh.vertices.end(), needles.vertices.begin(), needles.vertices.end());
+  for (const auto& [a, b, c] : needles.triangles) mesh.triangles.push_back({first + a, first + b, first + c});
+  mesh.vertices.insert(mesh.vertices.end(), {{0, 0, 0}, {9000, 0, 0}, {0, 9000, 500}});
+  mesh.triangles.push_back({first + 300, first + 301, first + 302});
+  return mesh;
+}
+
+// All estimates for a mesh, voxels and options of so many times the size; lengths and areas over that size.
+std::vector<double> EstimatesAt(double scale, const TriangleMesh& unscaled, NamedLattice lattice,
+                                VoxelizeOptions options) {
+  if (auto* const enclosed = std::get_if<Enclosed>(&options.set)) enclosed->close *= scale;
+  TriangleMesh mesh;
+  mesh.triangles = unscaled.triangles;
+  for (const Vec3f& v : unscaled.vertices) mesh.double_vertices.push_back({v[0] * scale, v[1] * scale, v[2] * scale});
+  const Grid grid{Lattice::Named(lattice).Scaled(scale).value(), {}};
+  const VoxelRequest request = MakeRequest(options).value();
+  const MeshExtent extent = ExtentOf(mesh);
+  return {extent.area / scale / scale,
+          extent.longest / scale,
+          extent.thinnest / scale,
+          EstimateVoxels(mesh, extent, grid, request),
+          EstimateVisits(mesh, extent, grid, request),
+          EstimateLineCrossings(mesh, grid),
+          MostWallTiles(mesh, extent, grid, request, 1),
+          MostWalkPoints(extent, grid, request)};
+}
+
+// In world units, products of a few lengths would under- or overflow.
+TEST(Estimates, DoNotDependOnTheUnitOfLength) {
+  const TriangleMesh mesh = Mixture();
+  const std::vector<VoxelizeOptions> all{{},
+                                         {.minimal = true},
+                                         {.algorithm = Algorithm::kBruteForce},
+                                         {.set = SupercoverSurface{}},
+                                         {.set = Solid{}},
+                                         {.set = Solid{.force_open = true}},
+                                         {.set = Band{.width = 2, .in_voxels = true}},
+                                         {.set = Enclosed{}},
+                                         {.set = Enclosed{.close = 5}}};
+  for (const NamedLattice lattice : {NamedLattice::kCartesian, NamedLattice::kBcc}) {
+    for (size_t n = 0; n < all.size(); ++n) {
+      const std::vector<double> expected = EstimatesAt(1, mesh, lattice, all[n]);
+      for (const double scale : {0x1p-333, 0x1p-300, 0x1p250, 0x1p333}) {
+        const std::vector<double> found = EstimatesAt(scale, mesh, lattice, all[n]);
+        for (size_t m = 0; m < found.size(); ++m) {
+          EXPECT_TRUE(std::abs(found[m] - expected[m]) <= 1e-9 * expected[m])
+              << scale << ", options " << n << ", number " << m << ": " << found[m] << ", not " << expected[m];
+        }
+      }
+    }
+  }
 }
 
 }  // namespace
