@@ -8,6 +8,7 @@
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_replace.h"
 #include "absl/strings/strip.h"
+#include "client/internal/printable.h"
 #include "client/tool/cli/common_options.h"
 #include "client/tool/cli/mesh_options.h"
 #include "client/tool/cli/request_rows.h"
@@ -88,7 +89,9 @@ std::string TextOf(const Keyword& keyword, py::handle given) {
   if (py::isinstance<py::str>(value)) return value.cast<std::string>();
   if (py::hasattr(value, "__fspath__")) return py::str(value.attr("__fspath__")());
   const bool is_number = py::isinstance<py::int_>(value) || py::isinstance<py::float_>(value);
-  if (is_number && !py::isinstance<py::bool_>(value)) return py::repr(value);
+  // A subclass, such as an enum, may print itself in another way.
+  const auto print = py::isinstance<py::int_>(value) ? PyLong_Type.tp_repr : PyFloat_Type.tp_repr;
+  if (is_number && !py::isinstance<py::bool_>(value)) return py::reinterpret_steal<py::str>(print(value.ptr()));
   if (!IsSequence(value)) RefuseType(keyword, given);
   std::vector<std::string> texts;
   for (const py::handle one : value) {
@@ -116,6 +119,11 @@ void AddWords(const Keyword& keyword, const CommandParser& command, py::handle g
   for (const py::handle one : has_several ? value : py::object(py::make_tuple(value))) {
     const std::string text = TextOf(keyword, one);
     if (text.empty()) throw UsageError(keyword.option + ": is empty");
+    if (text.find('\0') != std::string::npos) {  // the system would end the name of a file there
+      const std::string shown = Printable(text);
+      throw UsageError(absl::StrCat(keyword.option, ": \"", shown, "\" has a NUL character; a text has no NUL"),
+                       {keyword.option, shown, "no NUL"});
+    }
     words.push_back(absl::StrCat(keyword.option, "=", text));
   }
 }

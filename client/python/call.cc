@@ -152,13 +152,15 @@ SharedVoxels Call::Wait(const py::object& progress) {
 }
 
 SharedVoxels Call::Next() {
-  work_->Await([this] { return !batches_.empty(); });
   SharedVoxels next;
-  work_->Change([&] {
-    if (batches_.empty()) return;
-    next = std::move(batches_.front());
-    batches_.pop_front();
-  });
+  for (bool ended = false; next == nullptr && !ended;) {  // again, if another thread has taken the batch
+    ended = work_->Await([this] { return !batches_.empty(); });
+    work_->Change([&] {
+      if (batches_.empty()) return;
+      next = std::move(batches_.front());
+      batches_.pop_front();
+    });
+  }
   if (next == nullptr) Check(work_->status());
   return next;
 }

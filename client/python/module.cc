@@ -24,6 +24,7 @@ void BindVoxels(py::module_& module) {
       .def("__len__", [](const Voxels& voxels) { return CountVoxels(voxels); })
       .def_readonly("progress", &Voxels::progress)
       .def_readonly("report", &Voxels::report)
+      .def_readonly("is_streamed", &Voxels::is_streamed)
       .def("brick_ijk", &BrickIjk, Counted())
       .def("brick_masks", &BrickMasks, Counted())
       .def("ijk", &Ijk, Counted())

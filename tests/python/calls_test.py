@@ -157,6 +157,12 @@ def test_wrong_connections(tmp_path):
     assert caught.value.field == "token" and "secret" not in str(caught.value)
     with pytest.raises(TypeError, match="resolution"):
         latvox.Client(resolution=5)
+    with pytest.raises(latvox.InvalidArgument, match="token requires server") as caught:
+        latvox.Client(token="alice-0123456789")
+    assert caught.value.field == "token"
+    with pytest.raises(TypeError, match="token: is no str, but bytes") as caught:
+        latvox.Client("127.0.0.1:1", token=b"secret")
+    assert "secret" not in str(caught.value)
 
 
 def test_a_stream_is_the_whole_in_order():
@@ -195,12 +201,28 @@ def test_the_answer_of_a_stream_has_no_voxels(tmp_path):
         count = sum(map(len, stream))
         answer = stream.finish()
     takes = [lambda: answer.ijk, lambda: answer.points, lambda: answer.masks, lambda: answer.brick_ijk]
-    takes += [lambda: answer["part"], lambda: answer.index_box, answer.dense, answer._repr_png_]
+    takes += [lambda: answer["part"], lambda: answer.index_box, answer.dense]
     takes += [lambda: answer.save(tmp_path / "a.vdb"), lambda: answer.dense("part", ((0, 0, 0), (1, 1, 1)))]
     for take in takes:
         with pytest.raises(latvox.FailedPrecondition, match="the batches of the stream had the voxels"):
             take()
+    assert answer._repr_png_() is None  # a notebook shows its text
     assert list(tmp_path.iterdir()) == [] and f"{count} voxels" in repr(answer) and answer.certificate and count > 0
+
+
+def test_threads_share_the_batches_of_a_stream():
+    expected = latvox.voxelize(BUNNY, resolution=400)
+    for _ in range(5):
+        with latvox.stream(BUNNY, resolution=400) as stream:
+
+            def take():
+                voxels = sum(map(len, stream))
+                return voxels, stream.finish().digest
+
+            with concurrent.futures.ThreadPoolExecutor(4) as pool:
+                taken = [each.result() for each in [pool.submit(take) for _ in range(4)]]
+        assert sum(voxels for voxels, _ in taken) == len(expected)
+        assert {digest for _, digest in taken} == {expected.digest}
 
 
 def test_a_stream_ends_when_it_is_left_or_wrong():

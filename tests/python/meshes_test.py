@@ -11,7 +11,7 @@ from harness import BUNNY, box, encode_drc, octahedron, write_obj, write_ply, wr
 from latvox._meshes import source_of
 from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
 from vtkmodules.vtkCommonCore import vtkPoints
-from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData, vtkUnstructuredGrid
+from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkImageData, vtkPolyData, vtkUnstructuredGrid
 
 VERTICES, TRIANGLES = (np.array(part) for part in octahedron())
 BOX = box([0] * 3, [1] * 3)
@@ -189,6 +189,13 @@ class Grid(vtkUnstructuredGrid):
         return PolyData([[3, *t] for t in TRIANGLES])
 
 
+class Image(vtkImageData):
+    """As pyvista.ImageData. One of VTK 9.1 has no GetPoints."""
+
+    def extract_surface(self):
+        return PolyData([[3, *t] for t in TRIANGLES])
+
+
 OBJECTS = [
     Trimesh(),
     Scene({"body": Trimesh()}, body=(np.eye(4), "body")),
@@ -196,6 +203,7 @@ OBJECTS = [
     Open3dTensors(),
     PolyData([[3, *t] for t in TRIANGLES]),
     Grid(),
+    Image(),
     meshio.Mesh(VERTICES.astype(float), [("triangle", TRIANGLES[:3]), ("line", TRIANGLES[:, :2]), ("triangle", TRIANGLES[3:])]),
 ]
 

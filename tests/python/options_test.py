@@ -1,6 +1,7 @@
 """Keyword arguments are the tool's options, and mean the same."""
 
 import ast
+import enum
 import functools
 import itertools
 import re
@@ -43,7 +44,7 @@ VALUES = {
     "algorithm": ("incremental", {}),
     "verify": (True, {}),
     "upload": ("raw", {}),
-    "quantization": (12, {"upload": "draco"}),
+    "quantization": (enum.IntEnum("Bits", "n", start=12).n, {"upload": "draco"}),
     "encoding": ("masks", {}),
     "region": ([0, 0, 0, 9, 9, 5], {}),
     "bounds": ((-1, -1, -1, 1, 0.5, 0.5), {}),

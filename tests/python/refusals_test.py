@@ -48,6 +48,24 @@ def test_save_and_convert_refuse_a_format_without_the_fields(name, cubes):
         assert name[1:] not in able and error.limit in str(error)
 
 
+def test_names_with_a_nul_are_refused(cubes):
+    pathlib.Path("data").write_text("precious")
+    cubes.save("v.vdb")
+    for call, field in (
+        (lambda: cubes.save("data\0.csv"), "path"),
+        (lambda: latvox.voxelize(MESH, resolution=9, out="data\0.csv"), "out"),
+        (lambda: latvox.convert("v.vdb", "data\0.csv"), "out"),
+        (lambda: latvox.convert("v.vdb\0.nvdb", "a.csv"), "path"),
+        (lambda: latvox.merge(["v.vdb"], "data\0.vdb"), "out"),
+        (lambda: latvox.merge(["v.vdb\0"], "a.vdb"), "parts"),
+        (lambda: latvox.open(pathlib.PurePath("v.vdb\0.nvdb")), "path"),
+        (lambda: latvox.voxelize(f"{harness.BUNNY}\0.stl", resolution=9), "mesh"),
+    ):
+        error = refusal(call)
+        assert (error.reason, error.field, error.limit) == ("BAD_SPEC", field, "no NUL") and "NUL" in str(error)
+    assert pathlib.Path("data").read_text() == "precious" and not os.path.exists("a.csv")
+
+
 @pytest.mark.parametrize("name", ["50% fill.mhd", "LIST.mhd", " lead.mhd"])
 def test_readers_of_mhd_take_the_name_of_the_data_for_that_of_one_file(name, cubes):
     error = refusal(lambda: cubes.save(name, array="none"))

@@ -168,6 +168,10 @@ class Client:
         if address is not None and options.get("server") is not None:
             raise TypeError(f"address: {address!r} and server: {options['server']!r} exclude each other; pass one")
         _refuse_unknown(options, "connection", "call")
+        if token is not None and not isinstance(token, str):
+            raise TypeError(f"token: is no str, but {type(token).__name__}")  # without its value, which is a secret
+        if token is not None and address is None and options.get("server") is None:
+            raise InvalidArgument("token requires server", reason="BAD_SPEC", field="token")
         self._options: Dict[str, Any] = {**options} if address is None else {**options, "server": address}
         self._connection = _latvox.Connection(self._options, token or "", _server())
 

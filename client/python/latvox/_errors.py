@@ -102,6 +102,16 @@ def warn(found: List[Tuple[str, str, str]], depth: int) -> None:
         warnings.warn(VoxelizeWarning(message, code, element), stacklevel=depth + 1)
 
 
+def checked_path(name: str, path: Any) -> Any:
+    """Returns the text or the bytes of a path. Errors: InvalidArgument for a NUL: the system would end the name there."""
+    text = os.fspath(path)
+    if ("\0" if isinstance(text, str) else b"\0") in text:
+        raise InvalidArgument(
+            f"{name}: {text!r} has a NUL character; a name has no NUL", reason="BAD_SPEC", field=name, value=repr(text), limit="no NUL"
+        )
+    return text
+
+
 def refuse_path(name: str, given: Any) -> None:
     """Throws TypeError if one path is given in place of a list: a text would be a list of letters."""
     if isinstance(given, (str, bytes, os.PathLike)):

@@ -9,15 +9,15 @@ from typing import Any, Dict, Iterable, List, Literal, Optional, Sequence, Union
 import numpy as np
 
 from . import _latvox
-from ._errors import InvalidArgument, refuse_path, warn
+from ._errors import InvalidArgument, checked_path, refuse_path, warn
 from ._voxels import Grid
 
 _Path = Union[str, "os.PathLike[str]"]
 
 
-def _word(path: _Path) -> str:
+def _word(name: str, path: _Path) -> str:
     """Returns a path that does not look like an option."""
-    text = os.fspath(path)
+    text = checked_path(name, path)
     return f"./{text}" if text.startswith("-") else text
 
 
@@ -28,7 +28,7 @@ def open(path: _Path) -> Grid:
 
     Errors: NotFound; InvalidArgument for a file that has no such grid, or is no .vdb or .nvdb.
     """
-    return Grid(_latvox.open(os.fspath(path)))
+    return Grid(_latvox.open(checked_path("path", path)))
 
 
 def convert(
@@ -51,7 +51,7 @@ def convert(
     fields or the lattice.
     """
     options: Dict[str, Any] = {"fields": fields, "npy": npy, "array": array, "dims": dims, "pad": pad}
-    warn(_latvox.convert(_word(path), {"out": out, **options}), 2)
+    warn(_latvox.convert(_word("path", path), {"out": out, **options}), 2)
 
 
 def merge(parts: Iterable[_Path], out: _Path) -> Dict[str, Any]:
@@ -63,7 +63,7 @@ def merge(parts: Iterable[_Path], out: _Path) -> Dict[str, Any]:
     allows, because all parts are open at once. Errors: InvalidArgument, if the parts do not belong together.
     """
     refuse_path("parts", parts)
-    paths: List[str] = [_word(part) for part in parts]
+    paths: List[str] = [_word("parts", part) for part in parts]
     if not paths:
         raise InvalidArgument("parts names no file; merge needs at least 1", field="parts", value="[]", limit="1")
-    return json.loads(_latvox.merge(paths, os.fspath(out)))
+    return json.loads(_latvox.merge(paths, checked_path("out", out)))

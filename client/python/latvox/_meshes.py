@@ -7,7 +7,7 @@ from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Tuple, Union
 
 import numpy as np
 
-from ._errors import InvalidArgument
+from ._errors import InvalidArgument, checked_path
 
 _NONE = np.empty((0, 3), np.uint8)
 _WITHOUT_SURFACE = ("vertex", "line")  # cells of meshio
@@ -70,7 +70,7 @@ def _is_path(value: Any) -> bool:
 
 
 def _path(value: Any) -> str:
-    path = os.fspath(value)
+    path = checked_path("mesh", value)
     return "./-" if path == "-" else path  # latvox would read standard input
 
 
@@ -125,11 +125,9 @@ _NO_COLOR_ARRAY = f"looked for arrays {', '.join(_COLORS).upper()}, and {', '.jo
 
 def _vtk(mesh: Any, with_colors: bool) -> Optional[List[Part]]:
     """VTK and PyVista: a PolyData. Any other dataset of PyVista stands for its surface."""
-    if not hasattr(mesh, "GetPoints"):
-        return None
     if not hasattr(mesh, "GetPolys") and hasattr(mesh, "extract_surface"):
         mesh = mesh.extract_surface()
-    if not hasattr(mesh, "GetPolys"):
+    if not hasattr(mesh, "GetPoints") or not hasattr(mesh, "GetPolys"):
         return None
     if mesh.GetNumberOfStrips() > 0 and hasattr(mesh, "triangulate"):
         mesh = mesh.triangulate()

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Dict, List, NamedTuple, NoReturn, Optiona
 import numpy as np
 
 from . import _latvox
-from ._errors import InvalidArgument, VoxelizeWarning, warn
+from ._errors import InvalidArgument, VoxelizeWarning, checked_path, warn
 
 _NOTES = ("EMPTY_SHARD",)  # warnings of a shard that is as it should be
 
@@ -219,10 +219,13 @@ class Grid(Bricks):
             fields = array if isinstance(array, str) else ",".join(array)
             if not fields:
                 raise InvalidArgument('array: is empty; "none" selects no field', reason="BAD_SPEC", field="array")
-        warn(self._voxels.save(os.fspath(path), npy == "dense", fields, allow_http), 2)
+        warn(self._voxels.save(checked_path("path", path), npy == "dense", fields, allow_http), 2)
 
-    def _repr_png_(self) -> bytes:
-        """Returns a picture, for notebooks. Errors: as save."""
+    def _repr_png_(self) -> Optional[bytes]:
+        """Returns a picture, for notebooks; None for the answer of a stream, whose batches had the voxels. Errors: as
+        save."""
+        if self._voxels.is_streamed:
+            return None
         with tempfile.TemporaryDirectory() as directory:
             path = pathlib.Path(directory) / "voxels.png"
             self.save(path)
