@@ -27,10 +27,10 @@ RELEASED = "proto/released/latvox/v1/voxelizer.proto"
 STUBS = {
     "deploy/install-packages": "",
     "deploy/packaging/build": 'tree=build${1:+/$1}/packages; mkdir -p $tree/docs; cd $tree; touch latvox_${1:-own}.deb docs/index.html; echo libcurl.so.4 >late_libraries.txt',
-    "deploy/packaging/in-debian": 'tree=build/$1${3:+/$3}/packages; [[ $2 != *build ]] || { mkdir -p $tree; touch $tree/latvox_$1_${3:-own}.deb; exit; }; LATVOX_TREE=build/$1/packages "${@:2}"',
+    "deploy/packaging/in-debian": 'mkdir -p build/$1/packages; touch "build/$1/packages/latvox_$1.deb"; [[ $2 == *build ]] || LATVOX_TREE=build/$1/packages "${@:2}"',
     "deploy/packaging/arm64/image": "mkdir -p build/arm64/image",
     "deploy/packaging/tarball": 'touch "${LATVOX_TREE:-build/packages}/latvox-0-linux-$(uname -m).tar.gz"',
-    "deploy/sbom": 'echo "{} $* root=${LATVOX_ARM64_ROOT#"$OLDPWD/"} database=${DPKG_ADMINDIR#"$OLDPWD/"}"',
+    "deploy/sbom": 'echo "{}" "$@"',
 }
 PROGRAMS = {
     "cmake": 'mkdir -p build/abi/client; touch build/abi/client/liblatvox.so',
@@ -113,10 +113,8 @@ class Release(unittest.TestCase):
     def test_a_release_has_all_files_and_their_checksums(self):
         text = self.made("0.1.0")
         folder = self.repository / "build/releases/0.1.0"
-        other = "trixie" if platform.freedesktop_os_release()["VERSION_CODENAME"] == "bookworm" else "bookworm"
         names = {"latvox-0.1.0.tar.gz", "latvox-0.1.0-docs.tar.gz", "latvox-0.1.0-bookworm.spdx.json", "latvox-0.1.0-trixie.spdx.json", "latvox-gateway-0.1.0.spdx.json",
-                 "latvox-0.1.0.abi.tar.gz", "latvox-0.1.0-image.tar.gz", "latvox-0.1.0-image-arm64.tar.gz", "latvox-0.1.0-bookworm-arm64.spdx.json", "latvox-0.1.0-trixie-arm64.spdx.json",
-                 "latvox_own.deb", "latvox_arm64.deb", f"latvox_{other}_own.deb", f"latvox_{other}_arm64.deb", f"latvox-0-linux-{platform.machine()}.tar.gz"}  # fmt: skip
+                 "latvox-0.1.0.abi.tar.gz", "latvox-0.1.0-image.tar.gz", "latvox-0.1.0-image-arm64.tar.gz", "latvox_own.deb", "latvox_arm64.deb", f"latvox-0-linux-{platform.machine()}.tar.gz"}  # fmt: skip
         sums = dict(reversed(line.split("  ")) for line in (folder / "SHA256SUMS").read_text().splitlines())
         self.assertLessEqual(names, sums.keys())
         self.assertEqual({path.name for path in folder.iterdir()} - {"SHA256SUMS"}, sums.keys())
@@ -125,10 +123,7 @@ class Release(unittest.TestCase):
         with tarfile.open(folder / "latvox-0.1.0.tar.gz") as tarball:
             self.assertIn("latvox-0.1.0/CMakeLists.txt", tarball.getnames())
         for release in "bookworm", "trixie":
-            for suffix, root in ("", ""), ("-arm64", "build/arm64/root"):
-                told_by_sbom = (folder / f"latvox-0.1.0-{release}{suffix}.spdx.json").read_text()
-                self.assertIn("latvox-vdb.so client/python/latvox/_latvox.*.so libcurl.so.4", told_by_sbom)
-                self.assertEqual(re.findall(r" root=(.*) database=(.*)$", told_by_sbom, re.M), [(root, root and f"{root}/var/lib/dpkg")])
+            self.assertIn("latvox-vdb.so client/python/latvox/_latvox.*.so libcurl.so.4", (folder / f"latvox-0.1.0-{release}.spdx.json").read_text())
         for told in ("no release before this one", "no ABI of a last release", "whose maintainer is a <a@localhost>", "git tag -s v0.1.0"):
             self.assertIn(told, text)
 
@@ -152,11 +147,10 @@ class Release(unittest.TestCase):
         self.assertRegex(built, rf"(?m)^podman build --format docker --timestamp {time} .* --build-arg SOURCE_DATE_EPOCH={time} --tag localhost/latvox:0.1.0 \.$")
         self.assertRegex(built, rf"(?m)^podman build --format docker --timestamp {time} --platform linux/arm64 .* --tag localhost/latvox:0.1.0-arm64 build/arm64/image$")
 
-    def test_an_arm_machine_makes_its_own_files_alone(self):
+    def test_an_arm_machine_makes_its_own_image_alone(self):
         self.stub("dpkg", "echo arm64")
         self.made("0.1.0")
         self.assertNotIn("-arm64", (self.repository / "podman.log").read_text())
-        self.assertEqual([path.name for path in (self.repository / "build/releases/0.1.0").iterdir() if "arm64" in path.name], [])
 
     def test_a_machine_that_builds_no_image_is_refused_unless_none_is_wanted(self):
         self.stub("podman", "exit 1")
