@@ -10,7 +10,9 @@
 #include <numbers>
 #include <type_traits>
 
+#include "core/brick/brick.h"
 #include "core/snap/mesh_range.h"
+#include "core/snap/snap.h"
 #include "core/voxelizer/walk_estimate.h"
 #include "core/voxelizer/world_box.h"
 
@@ -262,6 +264,42 @@ double VisitsOfFraction(const TriangleMesh& mesh, double found, double voxels, c
          (has_labels ? kPerNumber * static_cast<double>(numbers) * voxels : 0);
 }
 
+// The lattice coordinates that a job looks at. A part in world bounds has all points of a box around them.
+IndexBox BoxOf(const Part& part, const Grid& grid) {
+  constexpr int32_t kFar = 1 << 30;
+  const IndexBox box = part.region.value_or(IndexBox{{-kFar, -kFar, -kFar}, {kFar, kFar, kFar}});
+  return part.bounds && !IsEmpty(box) ? WorldBox(grid, *part.bounds).Around(box) : box;
+}
+
+// Crossings with lines along k, `spacing` voxels apart on i and j. A line along k stands for a cell's volume over its
+// length. Triangles face it in part, at most in full. Slivers meet more lines than their area suggests, but never more
+// than their box of i and j holds, or than it has rows and columns.
+double CrossingsOfLines(const TriangleMesh& mesh, const Grid& grid, const IndexBox& box, double spacing,
+                        StopSignal stop) {
+  constexpr double kSnap = 1.0 / kLatticeUnit;  // the farthest that snapping moves a vertex
+  const Unit unit(grid.lattice.voxel_size());
+  const double size = unit.In(grid.lattice.voxel_size()), step = unit.In(LengthOf(grid.lattice.basis()[2]));
+  const double of_area = step / (size * size * size) / (spacing * spacing);
+  const Mat3d& inverse = grid.lattice.inverse();
+  const auto lines_along = [&](const auto& at, size_t m) {
+    const auto coordinate = [&](const auto& v) {
+      double sum = 0;
+      for (size_t n = 0; n < 3; ++n) sum += inverse[n][m] * (double{v[n]} - grid.origin[n]);
+      return sum;
+    };
+    const auto [low, high] = std::minmax({coordinate(at.a), coordinate(at.b), coordinate(at.c)});
+    const double first = std::max(low - kSnap, box.min[m] - spacing),
+                 last = std::min(high + kSnap, box.max[m] + spacing);
+    return std::max(std::floor(last / spacing) - std::ceil(first / spacing) + 1, 0.0);
+  };
+  return SumOver(mesh, unit, stop, [&](const auto& corners) {
+    const double rows = lines_along(corners, 0);
+    if (rows == 0) return 0.0;  // saves most of the time where triangles are small
+    const double columns = lines_along(corners, 1);
+    return std::min(rows * columns, TwiceAreaOf(corners) * of_area + rows + columns);
+  });
+}
+
 }  // namespace
 
 MeshExtent ExtentOf(const TriangleMesh& mesh, StopSignal stop) {
@@ -292,25 +330,20 @@ double EstimateVoxels(const TriangleMesh& mesh, const MeshExtent& extent, const 
   return Delivered(voxels, grid, request);
 }
 
-// A line along k stands for a cell's volume over its length. Triangles face it in part, at most in full. Slivers meet
-// more lines than their area suggests, but never more than their box of i and j holds, or than it has rows and columns.
-double EstimateLineCrossings(const TriangleMesh& mesh, const Grid& grid, StopSignal stop) {
-  const Unit unit(grid.lattice.voxel_size());
-  const double size = unit.In(grid.lattice.voxel_size()), step = unit.In(LengthOf(grid.lattice.basis()[2]));
-  const Mat3d& inverse = grid.lattice.inverse();
-  const auto lines_along = [&](const auto& at, size_t m) {
-    const auto coordinate = [&](const auto& v) {
-      double sum = 0;
-      for (size_t n = 0; n < 3; ++n) sum += inverse[n][m] * (double{v[n]} - grid.origin[n]);
-      return sum;
-    };
-    const auto [low, high] = std::minmax({coordinate(at.a), coordinate(at.b), coordinate(at.c)});
-    return std::max(std::floor(high) - std::ceil(low) + 1, 0.0);
-  };
-  return SumOver(mesh, unit, stop, [&](const auto& corners) {
-    const double rows = lines_along(corners, 0), columns = lines_along(corners, 1);
-    return TwiceAreaOf(corners) * step / (size * size * size) + std::min(rows * columns, rows + columns);
-  });
+double EstimateLineCrossings(const TriangleMesh& mesh, const Grid& grid, const VoxelRequest& request, StopSignal stop) {
+  if (!request.needs_inside()) return 0;
+  const bool may_be_open = request.solid() != nullptr && request.solid()->force_open;
+  const IndexBox box = BoxOf(request.part, grid);
+  const double crossings = may_be_open ? CrossingsOfLines(mesh, grid, BoxOf({}, grid), 1, stop)
+                                       : CrossingsOfLines(mesh, grid, box, kTileSide, stop);
+  if (request.fields.OfCells().empty()) return crossings;
+  return crossings + CrossingsOfLines(mesh, grid, box, double{kTileSide} / request.fraction_n, stop);
+}
+
+// As measured, at 15 ns.
+double WithPreparation(double visits, double line_crossings) {
+  constexpr double kPerCrossing = 6;
+  return std::max(visits, kPerCrossing * line_crossings);
 }
 
 // A visit of a band finds a distance.

@@ -53,12 +53,24 @@ double EstimateVoxels(const TriangleMesh& mesh, const MeshExtent& extent, const 
 double EstimateVisits(const TriangleMesh& mesh, const MeshExtent& extent, const Grid& grid, const VoxelRequest& request,
                       StopSignal stop = {});
 
-// Estimates the milliseconds of a job on one core. `visits`: as EstimateVisits says, which counts the work of fields.
+// Returns at least as many visits as cost the time before a job's first tile: a shard or a small region takes that of
+// the whole.
+//   visits           as EstimateVisits returns
+//   line_crossings   as EstimateLineCrossings returns
+double WithPreparation(double visits, double line_crossings);
+
+// Estimates the milliseconds of a job on one core. `visits`: as WithPreparation says, which counts the work of fields.
 double EstimateMilliseconds(const VoxelRequest& request, uint64_t triangles, double visits);
 
-// Estimates the number of crossings of lattice lines along k with the whole mesh: twice the number for a mesh that
-// faces the lines everywhere, and more for slivers. Takes one pass, as above.
-double EstimateLineCrossings(const TriangleMesh& mesh, const Grid& grid, StopSignal stop = {});
+// Estimates the number of crossings with lines along k that a job finds and keeps before its first tile: at most some
+// twice the number for a mesh that faces the lines everywhere, and more for slivers. Takes up to two passes, as above.
+//
+//   no inside     0
+//   may be open   those of all lines, because a job counts unbalanced lines of the whole mesh
+//   others        those of one line in 64^2 through the part's box; a shard keeps all of them
+//   fraction      also the same in the finer lattice
+double EstimateLineCrossings(const TriangleMesh& mesh, const Grid& grid, const VoxelRequest& request,
+                             StopSignal stop = {});
 
 }  // namespace latvox
 

@@ -179,13 +179,10 @@ void Computation::ShareIfItComesAgain() {
 }
 
 JobEstimate Computation::EstimateJob(const TriangleMesh& mesh, double voxels) const {
-  const Solid* const solid = spec_.request.solid();
-  const bool keeps_crossings = solid != nullptr && solid->force_open;
-  const double crossings = keeps_crossings ? EstimateLineCrossings(mesh, *grid_, stop_.Signal()) : 0;
   const MeshExtent& extent = mesh_of_job().extent;
   const double walks = MostWalks(mesh, spec_.request, stop_.Signal());
   return {voxels,
-          crossings,
+          EstimateLineCrossings(mesh, *grid_, spec_.request, stop_.Signal()),
           source_.bounds,
           grid_->lattice.voxel_size(),
           walks,
@@ -228,7 +225,8 @@ absl::Status Computation::Measure() {
     const VoxelRequest& request = spec_.request;
     estimate_ =
         EstimateJob(decoded.mesh, EstimateVoxels(decoded.mesh, decoded.extent, *grid_, request, stop_.Signal()));
-    visits_ = EstimateVisits(decoded.mesh, decoded.extent, *grid_, request, stop_.Signal());
+    visits_ = WithPreparation(EstimateVisits(decoded.mesh, decoded.extent, *grid_, request, stop_.Signal()),
+                              estimate_.line_crossings);
     facts_.estimated_ms = EstimateMilliseconds(request, facts_.triangles, visits_);
     large_ = facts_.estimated_ms > kLongMilliseconds;
     return CheckCancelled();

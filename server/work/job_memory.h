@@ -15,7 +15,7 @@ namespace latvox {
 // The facts known about a job before it begins.
 struct JobEstimate {
   double voxels = 0;          // the number of voxels that it finds
-  double line_crossings = 0;  // the number that it keeps, if it fills a mesh that may be open
+  double line_crossings = 0;  // the number that it keeps to find the inside
   Bounds bounds;              // of the mesh, world units
   double voxel_size = 0;      // world units
   double walks = 0;           // the number of walks: one for each label

@@ -8,10 +8,12 @@
 #include <variant>
 #include <vector>
 
+#include "core/snap/snap.h"
 #include "core/voxelizer/voxelizer.h"
 #include "core/voxelizer/walk_estimate.h"
 #include "tests/unit/core/exact.h"
 #include "tests/unit/core/sphere.h"
+#include "tests/unit/core/walk/answers.h"
 
 namespace latvox {
 namespace {
@@ -120,6 +122,30 @@ TEST(EstimateVisits, CountAllTrianglesOfAPart) {
   EXPECT_LE(EstimateVisits(sphere, ExtentOf(sphere), grid, {.part = {.region = box}}), 512);
 }
 
+// A shard or a small region of a solid takes the time before the first tile of the whole.
+TEST(EstimateVisits, CountWhatComesBeforeTheFirstTile) {
+  const Grid grid = Unscaled(Lattice::Named(NamedLattice::kCartesian));
+  const auto visits = [&](const TriangleMesh& mesh, const VoxelizeOptions& options) {
+    const VoxelRequest request = MakeRequest(options).value();
+    return WithPreparation(EstimateVisits(mesh, ExtentOf(mesh), grid, request),
+                           EstimateLineCrossings(mesh, grid, request));
+  };
+  constexpr double kLines = (16384 / 64 + 1) * (16384 / 64 + 1);
+  const TriangleMesh flat = ToWorld(Box({0, 0, 0}, {16384 * kLatticeUnit, 16384 * kLatticeUnit, kLatticeUnit}),
+                                    Lattice::Named(NamedLattice::kCartesian));
+  const Shard shard{0, kMaxShards};
+  const IndexBox one{{0, 0, 0}, {1, 1, 1}};
+  EXPECT_GT(visits(flat, {.shard = shard, .set = Solid{}}), 10 * kLines);
+  EXPECT_LT(visits(flat, {.shard = shard, .set = Solid{}}), 40 * kLines);
+  EXPECT_GT(visits(flat, {.region = one, .set = Solid{.force_open = true}}), 10 * kLines * 64 * 64);
+  // The estimates of other jobs stay as they are.
+  const TriangleMesh sphere = Sphere(40, 50);
+  for (const VoxelizeOptions& options :
+       {VoxelizeOptions{}, {.set = Solid{}}, {.set = Solid{.force_open = true}}, {.set = Enclosed{}}}) {
+    EXPECT_EQ(visits(sphere, options), EstimateVisits(sphere, ExtentOf(sphere), grid, MakeRequest(options).value()));
+  }
+}
+
 TEST(EstimateMilliseconds, LeaveTheWorkOfFieldsToTheVisits) {
   const auto milliseconds = [](const VoxelizeOptions& options) {
     return EstimateMilliseconds(*MakeRequest(options), 1'000'000, 1'000'000);
@@ -158,7 +184,7 @@ std::vector<double> EstimatesAt(double scale, const TriangleMesh& unscaled, Name
           extent.thinnest / scale,
           EstimateVoxels(mesh, extent, grid, request),
           EstimateVisits(mesh, extent, grid, request),
-          EstimateLineCrossings(mesh, grid),
+          EstimateLineCrossings(mesh, grid, request),
           MostWallTiles(mesh, extent, grid, request, 1),
           MostWalkPoints(extent, grid, request)};
 }

@@ -1,4 +1,4 @@
-// The estimates of what walks need are upper bounds, and no careless ones.
+// The estimates of what walks and solids need are upper bounds, and no careless ones.
 #include "core/voxelizer/walk_estimate.h"
 
 #include <gtest/gtest.h>
@@ -16,6 +16,9 @@
 #include <vector>
 
 #include "core/request/labels.h"
+#include "core/snap/snap.h"
+#include "core/solid/labeled_interior.h"
+#include "core/voxelizer/estimate.h"
 #include "core/voxelizer/voxelizer.h"
 #include "core/walk/facts.h"
 #include "tests/unit/core/exact.h"
@@ -166,6 +169,54 @@ TEST(WallTiles, EndWithMoreLabelsThanAJobMayHave) {
   const VoxelRequest request = MakeRequest(options).value();
   EXPECT_GT(MostWallTiles(mesh, ExtentOf(mesh), grid, request, MostWalks(mesh, request)), 0);
   EXPECT_EQ(VoxelizeJob::Create(mesh, grid, options).status().code(), absl::StatusCode::kResourceExhausted);
+}
+
+// Flat boxes one above the other, with a side of so many voxels.
+TriangleMesh FlatBoxes(int count, int side) {
+  oracle::Mesh boxes;
+  for (int n = 0; n < count; ++n) {
+    const oracle::Mesh box =
+        Box({0, 0, n * 3 * kLatticeUnit}, {side * kLatticeUnit, side * kLatticeUnit, kLatticeUnit});
+    boxes.insert(boxes.end(), box.begin(), box.end());
+  }
+  return ToWorld(boxes, Lattice::Named(NamedLattice::kCartesian));
+}
+
+// Returns the bytes that the job takes before its first tile at most.
+double MostBytesBefore(const TriangleMesh& mesh, const Grid& grid, const VoxelizeOptions& options) {
+  auto job = VoxelizeJob::Create(mesh, grid, options).value();
+  const size_t before = held;
+  most_held = before;
+  oneapi::tbb::task_arena(1).execute([&] { EXPECT_TRUE(job->Prepare().ok()); });
+  return static_cast<double>(most_held - before);
+}
+
+// Of a closed mesh: those of one line in 64^2.
+TEST(LineCrossings, OfClosedMeshesAreCounted) {
+  constexpr double kFixedBytes = 1 << 21;
+  const Grid grid = Unscaled(Lattice::Named(NamedLattice::kCartesian));
+  TriangleMesh boxes = FlatBoxes(3, 20000);
+  boxes.attributes.resize(boxes.vertex_count());
+  const std::vector<VoxelizeOptions> all{
+      {.set = Solid{}},
+      {.shard = Shard{0, kMaxShards}, .set = Solid{}},
+      {.region = IndexBox{{0, 0, 0}, {20000, 10000, 1}}, .set = Solid{}},
+      {.bounds = Bounds{{0, 0, 0}, {20000, 10000, 1}}, .set = Solid{}},
+      {.set = Solid{.labels = Field::kPart}, .fields = {Field::kPart}},
+      {.region = IndexBox{{0, 0, 0}, {20000, 3000, 1}}, .fields = {Field::kFraction}, .fraction_n = 4},
+      {.shard = Shard{0, kMaxShards}, .set = Links{LinkSide::kInside}}};
+  for (size_t n = 0; n < all.size(); ++n) {
+    const VoxelRequest request = MakeRequest(all[n]).value();
+    TriangleMesh mesh = boxes;
+    if (!request.labels()) mesh.attributes.clear();
+    const double crossings = EstimateLineCrossings(mesh, grid, request);
+    const double bound = crossings * (request.labels() ? kBytesPerLabeledCrossing : kBytesPerLineCrossing);
+    const double bytes = MostBytesBefore(mesh, grid, all[n]);
+    EXPECT_GT(bytes, 2 * kFixedBytes) << n;
+    EXPECT_LE(bytes, bound + kFixedBytes) << n;
+    EXPECT_LE(bound, 4 * bytes) << n;
+  }
+  EXPECT_EQ(EstimateLineCrossings(boxes, grid, {}), 0);
 }
 
 TEST(WalkPoints, HoldWhatCloseKeepsTheWalkOutOf) {

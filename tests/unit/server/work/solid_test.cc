@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "core/solid/interior.h"
 #include "google/rpc/error_details.pb.h"
 #include "google/rpc/status.pb.h"
 #include "server/base/errors.h"
@@ -149,6 +150,27 @@ TEST(Solid, OfAMeshThatIsNotClosedIsABadMeshBeforeAnythingIsDelivered) {
   EXPECT_FALSE(forced.summary().certificate().closed());
   // All crossings of its lines are kept, and counted.
   EXPECT_GT(forced.memory, Compute(SolidSpec(), Sphere(20)).memory);
+}
+
+// A shard of a large flat solid has few voxels, but looks at all its lines first.
+TEST(Solid, CountsWhatComesBeforeTheFirstTile) {
+  constexpr float kSide = 16384;
+  constexpr uint64_t kCrossings = 2 * 256 * 256;
+  TriangleMesh mesh;
+  for (const float x : {0.F, kSide}) {
+    for (const float y : {0.F, kSide}) mesh.vertices.insert(mesh.vertices.end(), {{x, y, 0}, {x, y, 1}});
+  }
+  mesh.triangles = {{0, 1, 3}, {0, 3, 2}, {4, 6, 7}, {4, 7, 5}, {0, 4, 5}, {0, 5, 1},
+                    {2, 3, 7}, {2, 7, 6}, {0, 2, 6}, {0, 6, 4}, {1, 5, 7}, {1, 7, 3}};
+  v1::VoxelizeSpec proto = SolidSpec();
+  proto.mutable_lattice()->set_named(v1::NAMED_LATTICE_CARTESIAN);
+  proto.set_voxel_size(1);
+  proto.mutable_shard()->set_count(1 << 20);
+  const Outcome flat = Compute(proto, mesh);
+  ASSERT_TRUE(flat.status.ok()) << flat.status;
+  EXPECT_GE(flat.memory, Compute(proto, Sphere(20)).memory + kCrossings * kBytesPerLineCrossing);
+  EXPECT_EQ(Compute(proto, mesh, {.max_visited_points = 4 * kCrossings}).status.code(),
+            absl::StatusCode::kResourceExhausted);
 }
 
 TEST(Solid, CountsAgainstTheLimitOfVoxels) {
