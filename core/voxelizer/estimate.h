@@ -57,7 +57,8 @@ double EstimateVisits(const TriangleMesh& mesh, const MeshExtent& extent, const 
 // the whole.
 //   visits           as EstimateVisits returns
 //   line_crossings   as EstimateLineCrossings returns
-double WithPreparation(double visits, double line_crossings);
+//   wall_tiles       as MostWallTiles returns
+double WithPreparation(double visits, const VoxelRequest& request, double line_crossings, double wall_tiles);
 
 // Estimates the milliseconds of a job on one core. `visits`: as WithPreparation says, which counts the work of fields.
 double EstimateMilliseconds(const VoxelRequest& request, uint64_t triangles, double visits);

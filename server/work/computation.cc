@@ -225,8 +225,8 @@ absl::Status Computation::Measure() {
     const VoxelRequest& request = spec_.request;
     estimate_ =
         EstimateJob(decoded.mesh, EstimateVoxels(decoded.mesh, decoded.extent, *grid_, request, stop_.Signal()));
-    visits_ = WithPreparation(EstimateVisits(decoded.mesh, decoded.extent, *grid_, request, stop_.Signal()),
-                              estimate_.line_crossings);
+    visits_ = WithPreparation(EstimateVisits(decoded.mesh, decoded.extent, *grid_, request, stop_.Signal()), request,
+                              estimate_.line_crossings, estimate_.wall_tiles);
     facts_.estimated_ms = EstimateMilliseconds(request, facts_.triangles, visits_);
     large_ = facts_.estimated_ms > kLongMilliseconds;
     return CheckCancelled();

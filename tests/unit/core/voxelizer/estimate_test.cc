@@ -34,6 +34,16 @@ TriangleMesh Needles(uint32_t count, float side, float thickness) {
   return mesh;
 }
 
+// Small triangles far from each other.
+TriangleMesh Dust(uint32_t count, float side) {
+  TriangleMesh mesh = Needles(count, side, 0);
+  for (size_t n = 0; n < mesh.vertices.size(); n += 3) {
+    mesh.vertices[n + 1] = mesh.vertices[n] + Vec3f{1, 0, 0};
+    mesh.vertices[n + 2] = mesh.vertices[n] + Vec3f{0, 1, 0};
+  }
+  return mesh;
+}
+
 TEST(EstimateVoxels, IsBetweenOneAndThreeTimesTheVoxelsOfASurface) {
   const TriangleMesh mesh = Sphere(40, 150);
   for (const NamedLattice lattice : {NamedLattice::kCartesian, NamedLattice::kBcc, NamedLattice::kFcc}) {
@@ -122,14 +132,17 @@ TEST(EstimateVisits, CountAllTrianglesOfAPart) {
   EXPECT_LE(EstimateVisits(sphere, ExtentOf(sphere), grid, {.part = {.region = box}}), 512);
 }
 
-// A shard or a small region of a solid takes the time before the first tile of the whole.
+// A shard or a small region of a solid or a walk takes the time before the first tile of the whole.
 TEST(EstimateVisits, CountWhatComesBeforeTheFirstTile) {
   const Grid grid = Unscaled(Lattice::Named(NamedLattice::kCartesian));
   const auto visits = [&](const TriangleMesh& mesh, const VoxelizeOptions& options) {
     const VoxelRequest request = MakeRequest(options).value();
-    return WithPreparation(EstimateVisits(mesh, ExtentOf(mesh), grid, request),
-                           EstimateLineCrossings(mesh, grid, request));
+    const MeshExtent extent = ExtentOf(mesh);
+    return WithPreparation(EstimateVisits(mesh, extent, grid, request), request,
+                           EstimateLineCrossings(mesh, grid, request),
+                           MostWallTiles(mesh, extent, grid, request, MostWalks(mesh, request)));
   };
+  constexpr float kSide = 16384;
   constexpr double kLines = (16384 / 64 + 1) * (16384 / 64 + 1);
   const TriangleMesh flat = ToWorld(Box({0, 0, 0}, {16384 * kLatticeUnit, 16384 * kLatticeUnit, kLatticeUnit}),
                                     Lattice::Named(NamedLattice::kCartesian));
@@ -138,6 +151,12 @@ TEST(EstimateVisits, CountWhatComesBeforeTheFirstTile) {
   EXPECT_GT(visits(flat, {.shard = shard, .set = Solid{}}), 10 * kLines);
   EXPECT_LT(visits(flat, {.shard = shard, .set = Solid{}}), 40 * kLines);
   EXPECT_GT(visits(flat, {.region = one, .set = Solid{.force_open = true}}), 10 * kLines * 64 * 64);
+  const TriangleMesh dust = Dust(1000, kSide);
+  for (const double close : {0.0, 5.0}) {
+    EXPECT_GT(visits(dust, {.region = one, .set = Enclosed{.close = close}}), 1000 * 4000);
+    EXPECT_GT(visits(dust, {.shard = shard, .set = Enclosed{.close = close}}), 1000 * 4000);
+    EXPECT_LT(visits(dust, {.region = one, .set = Enclosed{.close = close}}), 1000 * 60000);
+  }
   // The estimates of other jobs stay as they are.
   const TriangleMesh sphere = Sphere(40, 50);
   for (const VoxelizeOptions& options :
