@@ -212,9 +212,10 @@ TEST(LineCrossings, OfClosedMeshesAreCounted) {
     const double crossings = EstimateLineCrossings(mesh, grid, request);
     const double bound = crossings * (request.labels() ? kBytesPerLabeledCrossing : kBytesPerLineCrossing);
     const double bytes = MostBytesBefore(mesh, grid, all[n]);
-    EXPECT_GT(bytes, 2 * kFixedBytes) << n;
+    // The array of all crossings is not among the bytes, because it has pages of its own.
+    EXPECT_GT(bytes, kFixedBytes) << n;
     EXPECT_LE(bytes, bound + kFixedBytes) << n;
-    EXPECT_LE(bound, 4 * bytes) << n;
+    EXPECT_LE(bound, 8 * bytes) << n;
   }
   EXPECT_EQ(EstimateLineCrossings(boxes, grid, {}), 0);
 }
