@@ -13,14 +13,12 @@
 namespace latvox {
 namespace {
 
-// Returns the square of the distance of a lattice point from the origin plus `offset`, in units near the basis. Squares
-// of other units may all be 0 or infinite, and sums with a far origin may all be equal.
-double SquareTo(const Lattice& lattice, const Vec3i& ijk, const Vec3d& offset) {
+// Returns the square of a length in units near the basis. Squares of other units may all be 0 or infinite.
+double SquareOf(Vec3d d, const Lattice& lattice) {
   double longest = 0;
   for (const Vec3d& step : lattice.basis()) {
     for (const double x : step) longest = std::max(longest, std::abs(x));
   }
-  Vec3d d = Apply(lattice.basis(), ToDouble(ijk)) - offset;
   for (double& x : d) x = std::scalbn(x, -std::ilogb(longest));
   return Dot(d, d);
 }
@@ -33,8 +31,10 @@ Vec3i ReachOf(const WalkPlan& walk) {
   return reach;
 }
 
-// A point has no nearer neighbor iff its cell holds the position, because the neighbors' bisectors bound the cell. With
-// each step the square falls, or the point is an earlier one of equally near ones. There are few, so the way ends.
+// A point has no nearer neighbor iff its cell holds the position, because the neighbors' bisectors bound the cell.
+// World positions decide between points that are equally near. In their sums with a far origin all points may be
+// equally near. So the way keeps to points that are not farther from the origin plus `offset`, and there are few of
+// these.
 Vec3i NearestPoint(const Grid& grid, const Vec3d& world) {
   const Vec3d offset = world - grid.origin, at = Apply(grid.lattice.inverse(), offset);
   constexpr double kFar = int64_t{1} << (kPositionBits + 1);
@@ -43,14 +43,23 @@ Vec3i NearestPoint(const Grid& grid, const Vec3d& world) {
     if (!(std::abs(at[m]) < kFar)) return Vec3i{1, 1, 1} * static_cast<int32_t>(-kFar);
     ijk[m] = static_cast<int32_t>(std::nearbyint(at[m]));
   }
-  double least = SquareTo(grid.lattice, ijk, offset);
+  const auto from_offset = [&](const Vec3i& point) {
+    return SquareOf(Apply(grid.lattice.basis(), ToDouble(point)) - offset, grid.lattice);
+  };
+  const auto in_world = [&](const Vec3i& point) {
+    return SquareOf(Apply(grid.lattice.basis(), ToDouble(point)) + grid.origin - world, grid.lattice);
+  };
+  constexpr double kRounding = 1 + 1e-9;
+  double least = in_world(ijk), nearest = from_offset(ijk);
   for (bool moved = true; std::exchange(moved, false);) {
     const Vec3i from = ijk;
     for (const Neighbor<3>& neighbor : grid.lattice.neighbors()) {
       const Vec3i other = from + neighbor.w;
-      const double square = SquareTo(grid.lattice, other, offset);
+      const double square = in_world(other), other_from_offset = from_offset(other);
+      if (other_from_offset > nearest * kRounding) continue;
       if (square > least || (square == least && !(other < ijk))) continue;
       least = square;
+      nearest = std::min(nearest, other_from_offset);
       ijk = other;
       moved = true;
     }
