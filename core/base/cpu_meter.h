@@ -14,17 +14,21 @@ namespace latvox {
 // Adds up the CPU time of scopes. It does not depend on how busy the machine is. Threads: any.
 class CpuMeter {
  public:
-  // Counts what this thread does from here to the scope's end. Scopes of one meter do not nest.
+  // Counts what this thread does from here to the scope's end. A scope within another one of the meter counts nothing
+  // more: a thread that waits may take up a task with a scope of its own.
   class Scope {
    public:
-    explicit Scope(CpuMeter& meter) : meter_(meter), clock_(ClockOfThread()) { meter_.Begin(clock_); }
-    ~Scope() { meter_.End(clock_); }
+    explicit Scope(CpuMeter& meter) : meter_(meter), clock_(ClockOfThread()), is_outer_(meter_.Begin(clock_)) {}
+    ~Scope() {
+      if (is_outer_) meter_.End(clock_);
+    }
     Scope(const Scope&) = delete;
     Scope& operator=(const Scope&) = delete;
 
    private:
     CpuMeter& meter_;
     const clockid_t clock_;
+    const bool is_outer_;
   };
 
   // Includes the scopes that have begun.
@@ -51,16 +55,21 @@ class CpuMeter {
     clock_gettime(clock, &time);
     return static_cast<double>(time.tv_sec) + static_cast<double>(time.tv_nsec) * 1e-9;
   }
-  void Begin(clockid_t clock) {
+  auto Find(clockid_t clock) {
+    return std::find_if(running_.begin(), running_.end(), [&](const Running& r) { return r.clock == clock; });
+  }
+  // Returns false if the thread is in a scope already.
+  bool Begin(clockid_t clock) {
     const double now = Read(clock);
     const std::lock_guard lock(mutex_);
+    if (Find(clock) != running_.end()) return false;
     running_.push_back({clock, now});
+    return true;
   }
   void End(clockid_t clock) {
     const double now = Read(clock);
     const std::lock_guard lock(mutex_);
-    const auto mine =
-        std::find_if(running_.begin(), running_.end(), [&](const Running& r) { return r.clock == clock; });
+    const auto mine = Find(clock);
     ended_ += now - mine->begun;
     *mine = running_.back();
     running_.pop_back();

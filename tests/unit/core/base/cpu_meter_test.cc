@@ -42,6 +42,23 @@ TEST(CpuMeter, CountsThreadsThatAreAtWork) {
   EXPECT_GE(meter.Seconds(), 0.03);
 }
 
+TEST(CpuMeter, CountsAScopeWithinAnotherOnce) {
+  CpuMeter meter;
+  const std::clock_t begin = std::clock();
+  {
+    const CpuMeter::Scope outer(meter);
+    BusyFor(std::chrono::milliseconds(20));
+    {
+      const CpuMeter::Scope inner(meter);
+      BusyFor(std::chrono::milliseconds(30));
+    }
+    EXPECT_GE(meter.Seconds(), 0.04);
+    BusyFor(std::chrono::milliseconds(20));
+  }
+  EXPECT_GE(meter.Seconds(), 0.06);
+  EXPECT_LE(meter.Seconds(), static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC + 0.01);
+}
+
 TEST(CpuMeter, DoesNotCountWaiting) {
   CpuMeter meter;
   {

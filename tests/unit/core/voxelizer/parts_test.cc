@@ -1,7 +1,9 @@
 // The parts of the whole that a job delivers: regions, the rest after a tile, and shards.
 #include <gtest/gtest.h>
+#include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
+#include <ctime>
 #include <random>
 #include <set>
 
@@ -214,6 +216,24 @@ TEST(Shards, SpansFollowEachOtherInHugeLattices) {
       }
     }
   }
+}
+
+// Nothing of it is delivered, so the job only divides the tree of tiles.
+TEST(Parts, CountTheTimeOfTheSearchForThem) {
+  const TriangleMesh mesh = Sphere(200, 400);
+  const Grid grid = Unscaled(Lattice::Named(NamedLattice::kCartesian));
+  const auto job = VoxelizeJob::Create(mesh, grid, {.region = IndexBox{{0, 0, 0}, {2, 2, 2}}});
+  ASSERT_TRUE(job.ok()) << job.status();
+  oneapi::tbb::task_arena arena(1);
+  const double before = (*job)->CpuSeconds();
+  const std::clock_t begin = std::clock();
+  arena.execute([&] {
+    const auto done = (*job)->Advance([](TileBricks&&) { return true; });
+    EXPECT_TRUE(done.ok() && *done);
+  });
+  const double used = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+  EXPECT_EQ((*job)->totals().tiles, 0U);
+  EXPECT_GE((*job)->CpuSeconds() - before, used / 2);
 }
 
 TEST(Shards, AreRefusedOutOfRange) {
