@@ -35,42 +35,24 @@ SnappedMesh PartOf(const SnappedMesh& mesh, std::span<const uint32_t> triangles,
   return {mesh.base_ijk, mesh.vertices_lat, std::move(corners), mesh.box};
 }
 
-// The least and the greatest coordinates of the triangles' corners, in lattice units. Once stopped, of some of them.
-struct Corners {
-  Vec3i low, high;
-
-  Corners(const SnappedMesh& mesh, StopSignal stop) {
-    low.fill(std::numeric_limits<int32_t>::max());
-    high.fill(0);
-    ForEachUntilStopped(mesh.triangles.size(), stop, [&](size_t t) {
-      for (const Vec3i& corner : mesh.TriangleAt(t)) {
-        for (size_t m = 0; m < 3; ++m) {
-          low[m] = std::min(low[m], corner[m]);
-          high[m] = std::max(high[m], corner[m]);
-        }
+// Whether a lattice point lies in the box around the triangles.
+bool SurroundsPoint(const SnappedMesh& mesh, const Vec3i& ijk, StopSignal stop) {
+  constexpr int32_t kMost = std::numeric_limits<int32_t>::max();
+  Vec3i low{kMost, kMost, kMost}, high{-kMost, -kMost, -kMost};
+  ForEachUntilStopped(mesh.triangles.size(), stop, [&](size_t t) {
+    for (const Vec3i& corner : mesh.TriangleAt(t)) {
+      for (size_t m = 0; m < 3; ++m) {
+        low[m] = std::min(low[m], corner[m]);
+        high[m] = std::max(high[m], corner[m]);
       }
-    });
-  }
-
-  // Whether a lattice point lies between them. It may be far away.
-  bool Surround(const Vec3i& ijk) const {
-    for (size_t m = 0; m < 3; ++m) {
-      const int64_t at = int64_t{ijk[m]} * kLatticeUnit;
-      if (at < low[m] || at > high[m]) return false;
     }
-    return true;
+  });
+  for (size_t m = 0; m < 3; ++m) {
+    const int64_t at = int64_t{ijk[m]} * kLatticeUnit;  // the point may be far away
+    if (at < low[m] || at > high[m]) return false;
   }
-
-  // The tiles that come within `reach` voxels of them.
-  IndexBox Tiles(const Vec3i& reach) const {
-    IndexBox tiles;
-    for (size_t m = 0; m < 3; ++m) {
-      tiles.min[m] = ((low[m] >> kSubvoxelBits) - reach[m]) >> kTileBits;
-      tiles.max[m] = (((high[m] >> kSubvoxelBits) + 1 + reach[m]) >> kTileBits) + 1;
-    }
-    return tiles;
-  }
-};
+  return true;
+}
 
 // Notes where the runs of these points of a row begin and end. All of them have this label. No other label gets them,
 // so a run stays as it is.
@@ -129,6 +111,11 @@ absl::StatusOr<std::unique_ptr<const Walk>> MakeWalk(const ExactPlan& plan, std:
   return Walk::Make(plan.Context(stop), *plan.input.walk, tree, std::move(kept), scans);
 }
 
+LabeledWalk::LabeledWalk(const ExactPlan& plan)
+    : plan_(plan),
+      places_(plan.input.mesh.triangles.size()),
+      cubes_(Shifted(plan.input.mesh.box.min, kTileBits), TileCubeLevel(plan.input.mesh.box)) {}
+
 absl::StatusOr<std::unique_ptr<const LabeledWalk>> LabeledWalk::Make(const ExactPlan& plan, StopSignal stop) {
   const SnappedMesh& mesh = plan.input.mesh;
   const Labels& labels = *plan.labels;
@@ -154,8 +141,7 @@ absl::Status LabeledWalk::AddLabel(SnappedMesh mesh, std::span<const uint32_t> t
   const ExactInput& whole = plan_.input;
   WalkPlan walk = *whole.walk;
   walk.most_packed_bytes = packed_bytes;
-  const Corners corners(mesh, stop);
-  if (walk.start && (leaks_ == kMostLeaks || !corners.Surround(*walk.start))) walk.start = std::nullopt;
+  if (walk.start && (leaks_ == kMostLeaks || !SurroundsPoint(mesh, *walk.start, stop))) walk.start = std::nullopt;
   WalkSet set;
   set.surface.minimal = plan_.minimal;
   auto plan = MakeExactPlan({.mesh = std::move(mesh),
@@ -176,8 +162,8 @@ absl::Status LabeledWalk::AddLabel(SnappedMesh mesh, std::span<const uint32_t> t
   if (!made.ok()) return made.status();
   const std::optional<Leak>& leak = (*made)->facts().leak;
   if (leak && leak->kind != Leak::kNone) ++leaks_;
-  const IndexBox tiles = corners.Tiles(ReachOf(*whole.walk));
-  labels_.push_back({*std::move(plan), *std::move(made), tiles});
+  (*made)->AddTo(cubes_, static_cast<uint32_t>(labels_.size()));
+  labels_.push_back({*std::move(plan), *std::move(made)});
   return absl::OkStatus();
 }
 
@@ -190,16 +176,9 @@ void LabeledWalk::AddFacts(uint32_t label, const WalkFacts& facts) {
   facts_.largest.resize(std::min(facts_.largest.size(), kMostCavities));
 }
 
-// All walks have the same cube of tiles.
-bool LabeledWalk::OfLabel::MayHold(const Vec3i& tile_ijk, int level) const {
-  for (size_t m = 0; m < 3; ++m) {
-    if (tile_ijk[m] >= tiles.max[m] || tile_ijk[m] + (1 << level) <= tiles.min[m]) return false;
-  }
-  return walk->MayHold(tile_ijk, level);
-}
-
 bool LabeledWalk::MayHold(const Vec3i& tile_ijk, int level) const {
-  return std::ranges::any_of(labels_, [&](const OfLabel& of_label) { return of_label.MayHold(tile_ijk, level); });
+  if (level >= JointCubes::kLeastLevel) return cubes_.MayHold(tile_ijk, level);
+  return cubes_.AnyAt(tile_ijk, [&](uint32_t rank) { return labels_[rank].walk->MayHold(tile_ijk, level); });
 }
 
 // The places of the triangles that their labels keep, ascending within each rank. Once stopped, they are incomplete.
@@ -227,9 +206,14 @@ void LabeledWalk::FindTile(const TileContext& context, const TileNode& node, Lab
   scan.taken.fill(0);
   bool is_sorted = false, is_mixed = false;
   uint32_t last = kNoLabel;
-  for (size_t rank = 0; rank < labels_.size(); ++rank) {
-    if (!labels_[rank].MayHold(node.tile_ijk, 0)) continue;
-    const auto& [plan, walk, near_tiles] = labels_[rank];
+  scan.ranks.clear();
+  cubes_.AnyAt(node.tile_ijk, [&](uint32_t rank) {
+    if (labels_[rank].walk->MayHold(node.tile_ijk, 0)) scan.ranks.push_back(rank);
+    return false;
+  });
+  std::ranges::sort(scan.ranks);
+  for (const uint32_t rank : scan.ranks) {
+    const auto& [plan, walk] = labels_[rank];
     TileNode of_label{node.tile_ijk, 0, {}, {}, 0, 0};
     if (walk->NeedsTriangles(node.tile_ijk)) {
       if (!std::exchange(is_sorted, true)) {

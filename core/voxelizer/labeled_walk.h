@@ -20,6 +20,7 @@
 #include "core/tree/tile_tree.h"
 #include "core/voxelizer/exact_plan.h"
 #include "core/walk/facts.h"
+#include "core/walk/joint_cubes.h"
 #include "core/walk/pass.h"
 #include "core/walk/walk.h"
 
@@ -39,6 +40,7 @@ struct LabeledWalkScan {
   // Where labels meet: the points at which runs of a label, or of no label, begin; and the labels of these, row by row.
   TileRows starts;
   std::vector<uint32_t> of_starts = {};
+  std::vector<uint32_t> ranks = {};  // of the labels that may hold points of the tile
 };
 
 // Threads: after Make, any.
@@ -67,13 +69,9 @@ class LabeledWalk : public FilledTiles {
   struct OfLabel {
     std::unique_ptr<ExactPlan> plan;
     std::unique_ptr<const Walk> walk;
-    // Of tiles: all others lie outside. A walk answers by a dozen look-ups, and there may be thousands of walks.
-    IndexBox tiles;
-
-    bool MayHold(const Vec3i& tile_ijk, int level) const;
   };
 
-  explicit LabeledWalk(const ExactPlan& plan) : plan_(plan), places_(plan.input.mesh.triangles.size()) {}
+  explicit LabeledWalk(const ExactPlan& plan);
 
   absl::Status AddLabel(SnappedMesh mesh, std::span<const uint32_t> triangles, size_t packed_bytes,
                         ScanPool<WalkScan>& scans, StopSignal stop);
@@ -83,6 +81,7 @@ class LabeledWalk : public FilledTiles {
   const ExactPlan& plan_;
   std::vector<uint32_t> places_;  // of each triangle in its label's mesh
   std::vector<OfLabel> labels_;   // by rank
+  JointCubes cubes_;              // of all labels' walks, which have the same cube of tiles
   size_t leaks_ = 0;              // labels that are not closed around the point of the request
   WalkFacts facts_;
 };

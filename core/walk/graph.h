@@ -39,6 +39,17 @@ class WalkGraph {
   const TileNodes* FindTile(const Vec3i& tile_ijk) const;
   // The node of the cube with this cube in it; nullopt: there is none.
   std::optional<uint32_t> FindCube(const Vec3i& tile_ijk, int level) const;
+  // Calls f(tile_ijk) for each tile, and f(tile_ijk, level, node) for each cube, in any order.
+  template <class F>
+  void ForEachTile(const F& f) const {
+    for (const auto& [tile_ijk, nodes] : tiles_) f(tile_ijk);
+  }
+  template <class F>
+  void ForEachCube(const F& f) const {
+    for (size_t level = 0; level < cubes_.size(); ++level) {
+      for (const auto& [tile_ijk, node] : cubes_[level]) f(tile_ijk, static_cast<int>(level), node);
+    }
+  }
   // Whether the tile lies in the cube of all tiles.
   bool Contains(const Vec3i& tile_ijk) const;
 

@@ -259,6 +259,13 @@ bool Walk::MayHold(const Vec3i& tile_ijk, int level) const {
   return plan_.from_seed ? IsReached(*cube) || plan_.ball : !IsReached(*cube);
 }
 
+void Walk::AddTo(JointCubes& cubes, uint32_t rank) const {
+  graph_.ForEachTile([&](const Vec3i& tile_ijk) { cubes.Add(rank, tile_ijk, 0); });
+  graph_.ForEachCube([&](const Vec3i& tile_ijk, int level, uint32_t node) {
+    if (!IsReached(node)) cubes.Add(rank, tile_ijk, level);
+  });
+}
+
 // Finds the set's points in a tile.
 //   nodes   null: it has no pieces, and no walls
 void Walk::FindRows(const Vec3i& tile_ijk, const WalkGraph::TileNodes* nodes, WalkScan& scan, StopSignal stop,

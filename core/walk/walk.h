@@ -21,6 +21,7 @@
 #include "core/tree/tile_tree.h"
 #include "core/walk/facts.h"
 #include "core/walk/graph.h"
+#include "core/walk/joint_cubes.h"
 #include "core/walk/leak.h"
 #include "core/walk/packed_pieces.h"
 #include "core/walk/pass.h"
@@ -44,6 +45,10 @@ class Walk : public FilledTiles {
                                                           ScanPool<WalkScan>& scans);
 
   bool MayHold(const Vec3i& tile_ijk, int level) const override;
+
+  // Adds where the walk may hold points: tiles near the mesh, and cubes of tiles off it. Precondition: it is not from a
+  // seed.
+  void AddTo(JointCubes& cubes, uint32_t rank) const;
 
   // Whether a delivered tile, or any, needs the triangles of its node: where pieces are not at hand.
   bool NeedsTriangles(const Vec3i& tile_ijk) const {
