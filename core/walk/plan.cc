@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "absl/strings/strip.h"
 #include "core/base/status_payload.h"
 #include "core/snap/snap.h"
@@ -35,12 +36,17 @@ Vec3i ReachOf(const WalkPlan& walk) {
 // World positions decide between points that are equally near. In their sums with a far origin all points may be
 // equally near. So the way keeps to points that are not farther from the origin plus `offset`, and there are few of
 // these.
-Vec3i NearestPoint(const Grid& grid, const Vec3d& world) {
+absl::StatusOr<Vec3i> NearestPoint(const Grid& grid, const Vec3d& world, const std::string& field, StopSignal stop) {
   const Vec3d offset = world - grid.origin, at = Apply(grid.lattice.inverse(), offset);
-  constexpr double kFar = int64_t{1} << (kPositionBits + 1);
+  constexpr double kMaxPosition = 1 << kPositionBits;
   Vec3i ijk;
   for (size_t m = 0; m < 3; ++m) {
-    if (!(std::abs(at[m]) < kFar)) return Vec3i{1, 1, 1} * static_cast<int32_t>(-kFar);
+    if (!(std::abs(at[m]) <= kMaxPosition)) {  // NaN is refused, too
+      return WithValue(absl::InvalidArgumentError(
+                           absl::StrFormat("%s: it lies at lattice coordinate %g on axis %c, the limit is %.0f", field,
+                                           at[m], "ijk"[m], kMaxPosition)),
+                       at[m], kMaxPosition);
+    }
     ijk[m] = static_cast<int32_t>(std::nearbyint(at[m]));
   }
   const auto from_offset = [&](const Vec3i& point) {
@@ -51,7 +57,7 @@ Vec3i NearestPoint(const Grid& grid, const Vec3d& world) {
   };
   constexpr double kRounding = 1 + 1e-9;
   double least = in_world(ijk), nearest = from_offset(ijk);
-  for (bool moved = true; std::exchange(moved, false);) {
+  for (bool moved = true; std::exchange(moved, false) && !stop.Stopped();) {
     const Vec3i from = ijk;
     for (const Neighbor<3>& neighbor : grid.lattice.neighbors()) {
       const Vec3i other = from + neighbor.w;
@@ -74,7 +80,11 @@ absl::StatusOr<WalkPlan> MakeWalkPlan(const WalkSet& walk, const Grid& grid, con
   plan.allow_outside = walk.allow_outside;
   plan.with_surface = walk.with_surface;
   const std::optional<Vec3d>& start = walk.seed ? walk.seed : walk.leak_from;
-  if (start) plan.start = NearestPoint(grid, *start);
+  if (start) {
+    const auto nearest = NearestPoint(grid, *start, plan.from_seed ? "connected.seed" : "enclosed.leak_from", stop);
+    if (!nearest.ok()) return nearest.status();
+    plan.start = *nearest;
+  }
   if (walk.close == 0) return plan;
   absl::StatusOr<BandPlan> close = MakeBandPlan({walk.close / 2, false}, grid.lattice);
   if (!close.ok()) {

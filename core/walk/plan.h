@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "absl/status/statusor.h"
 #include "core/band/plan.h"
@@ -34,12 +35,15 @@ struct WalkPlan {
 // Returns, per axis, by how many voxels at most the points that a walk keeps out of surpass the mesh.
 Vec3i ReachOf(const WalkPlan& walk);
 
-// Returns the lattice point nearest to a world position, the lexicographically first of several, as doubles have it. A
-// point beyond the range of lattice coordinates becomes one far outside.
-Vec3i NearestPoint(const Grid& grid, const Vec3d& world);
+// Returns the lattice point nearest to a world position, the lexicographically first of several, as doubles have it.
+// Once stopped, it is meaningless. Errors, with value and limit: INVALID_ARGUMENT if the position lies beyond
+// 2^kPositionBits, as for meshes.
+//   field   for the message
+absl::StatusOr<Vec3i> NearestPoint(const Grid& grid, const Vec3d& world, const std::string& field,
+                                   StopSignal stop = {});
 
-// The start is in global coordinates. Once stopped, the plan is meaningless. Errors: INVALID_ARGUMENT as MakeBandPlan,
-// for half of `close`.
+// The start is in global coordinates. Once stopped, the plan is meaningless. Errors: INVALID_ARGUMENT as NearestPoint,
+// and as MakeBandPlan for half of `close`.
 //   frames   of the request's separability
 absl::StatusOr<WalkPlan> MakeWalkPlan(const WalkSet& walk, const Grid& grid, const std::vector<Frame>& frames,
                                       StopSignal stop);
