@@ -36,6 +36,7 @@ struct Keyword {
   std::string name, option;
   OptionFacts facts;
   bool is_flag() const { return facts.value.empty(); }
+  bool is_path() const { return facts.value == "OUT" || absl::StartsWith(facts.value, "FILE"); }
 };
 
 // Returns "" for a positional word.
@@ -83,11 +84,26 @@ py::object Plain(py::handle value) {
 
 bool IsSequence(py::handle value) { return py::isinstance<py::list>(value) || py::isinstance<py::tuple>(value); }
 
+// Throws the UsageError of a value that Python fails to turn into a text.
+[[noreturn]] void RefuseText(const Keyword& keyword, const char* what, const char* limit) {
+  PyErr_Clear();
+  throw UsageError(absl::StrCat(keyword.option, ": ", what), {keyword.option, "", limit});
+}
+
+// Returns the bytes of a text. Those of a path are the bytes of the file's name, which need not be UTF-8.
+std::string BytesOf(const Keyword& keyword, py::handle text) {
+  PyObject* const bytes = keyword.is_path() ? PyUnicode_EncodeFSDefault(text.ptr())
+                                            : PyUnicode_AsEncodedString(text.ptr(), "utf-8", "surrogateescape");
+  if (bytes == nullptr) RefuseText(keyword, "the text has half a character", "characters of Unicode");
+  return py::reinterpret_steal<py::bytes>(bytes);
+}
+
 // Numbers are printed so that they read back equal.
 std::string TextOf(const Keyword& keyword, py::handle given) {
-  const py::object value = Plain(given);
-  if (py::isinstance<py::str>(value)) return value.cast<std::string>();
-  if (py::hasattr(value, "__fspath__")) return py::str(value.attr("__fspath__")());
+  py::object value = Plain(given);
+  if (py::hasattr(value, "__fspath__")) value = value.attr("__fspath__")();
+  if (py::isinstance<py::str>(value)) return BytesOf(keyword, value);
+  if (keyword.is_path() && py::isinstance<py::bytes>(value)) return value.cast<std::string>();
   const bool is_number = py::isinstance<py::int_>(value) || py::isinstance<py::float_>(value);
   // A subclass, such as an enum, may print itself in another way.
   const auto print = py::isinstance<py::int_>(value) ? PyLong_Type.tp_repr : PyFloat_Type.tp_repr;

@@ -1,6 +1,7 @@
 """Files of voxels: reading, converting and joining them, as the tool does."""
 
 import inspect
+import os
 import pathlib
 import re
 
@@ -182,3 +183,78 @@ def test_merge_joins_shards(tmp_path):
     with pytest.raises(latvox.NotFound):
         latvox.merge([tmp_path / "missing.vdb"], tmp_path / "w.vdb")
     assert sorted(path.name for path in tmp_path.iterdir()) == ["0.vdb", "1.vdb", "2.vdb", "whole.vdb"]
+
+
+class NamedFile:
+    """A path whose name is a text or bytes."""
+
+    def __init__(self, name):
+        self.name = name
+
+    def __fspath__(self):
+        return self.name
+
+
+KINDS = {
+    "text": os.fsdecode,
+    "bytes": os.fsencode,
+    "path": lambda name: pathlib.Path(os.fsdecode(name)),
+    "path of bytes": lambda name: NamedFile(os.fsencode(name)),
+}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_names_of_files_need_not_be_utf8(kind, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+    def path(extension, start=b""):
+        return KINDS[kind](start + b"caf\xe9." + extension)
+
+    write_obj(tmp_path / "mesh.obj", octahedron())
+    os.rename(b"mesh.obj", b"caf\xe9.obj")
+    v = latvox.voxelize(path(b"obj"), resolution=9, out=[path(b"npz"), path(b"csv", b"-")])
+    assert latvox.voxelize([path(b"obj")], resolution=9, out=path(b"npy")).digest == v.digest
+    v.save(path(b"vdb"))
+    assert latvox.open(path(b"vdb")).digest == v.digest
+    assert latvox.voxelize(path(b"obj"), align=path(b"vdb")).digest == v.digest
+    latvox.convert(path(b"vdb"), path(b"nvdb"))
+    assert latvox.merge([path(b"vdb")], path(b"vdb", b"-"))["digest"] == v.digest
+    names = [b"caf\xe9." + name for name in (b"npy", b"npz", b"nvdb", b"obj", b"vdb")]
+    assert sorted(os.listdir(b".")) == sorted([b"-caf\xe9.csv", b"-caf\xe9.vdb", *names])
+    for call, field, extension in (
+        (lambda: latvox.voxelize(path(b"stl")), "mesh", b"stl"),
+        (lambda: latvox.voxelize(path(b"obj"), out=path(b"xyz")), "out", b"xyz"),
+        (lambda: v.save(path(b"xyz")), "path", b"xyz"),
+        (lambda: latvox.open(path(b"csv")), "path", b"csv"),
+        (lambda: latvox.convert(path(b"csv"), "a.csv"), "path", b"csv"),
+        (lambda: latvox.convert(path(b"vdb"), path(b"xyz")), "out", b"xyz"),
+        (lambda: latvox.merge([path(b"csv")], "a.vdb"), "parts", b"csv"),
+    ):
+        with pytest.raises(latvox.Error, match=r"caf\\xe9\.") as caught:
+            call()
+        assert (caught.value.field, os.fsencode(caught.value.value)) == (field, b"caf\xe9." + extension)
+        assert str(caught.value).encode()
+
+
+def test_a_name_that_no_file_has_is_refused(answers, tmp_path):
+    name, v = f"{tmp_path}/\ud800.vdb", answers["surface"]
+    for call, field in (
+        (lambda: latvox.voxelize(name), "mesh"),
+        (lambda: latvox.voxelize(MESH, out=name), "out"),
+        (lambda: v.save(name), "path"),
+        (lambda: latvox.open(name), "path"),
+        (lambda: latvox.convert(name, "a.csv"), "path"),
+        (lambda: latvox.merge([name], "a.vdb"), "parts"),
+    ):
+        with pytest.raises(latvox.InvalidArgument, match=field) as caught:
+            call()
+        assert caught.value.field == field and caught.value.limit and str(caught.value).encode()
+    for call in (
+        lambda: v.save(5),
+        lambda: latvox.open(None),
+        lambda: latvox.convert(5, "a.csv"),
+        lambda: latvox.merge([5], "a.vdb"),
+    ):
+        with pytest.raises(TypeError, match="(path|parts): .* is no path"):
+            call()
+    assert list(tmp_path.iterdir()) == []

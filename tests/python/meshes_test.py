@@ -508,7 +508,7 @@ def test_skip_bad_that_leaves_no_face_names_the_first_broken_one():
             latvox.voxelize((POINTS, np.array(faces)), skip_bad=True)
 
 
-@pytest.mark.parametrize("mesh", [None, 5, [], (1, 2, 3), object(), b"mesh.obj", ["mesh.obj", (VERTICES, TRIANGLES)]])
+@pytest.mark.parametrize("mesh", [None, 5, [], (1, 2, 3), object(), bytearray(b"mesh.obj"), ["mesh.obj", (VERTICES, TRIANGLES)]])
 def test_other_objects_are_type_errors(mesh):
     with pytest.raises(TypeError, match=r"mesh(\[[01]\])?: "):
         latvox.voxelize(mesh)

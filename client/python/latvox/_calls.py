@@ -52,13 +52,13 @@ def _refuse_unknown(options: Mapping[str, Any], *scopes: str) -> None:
 
 
 _PROGRAMS = pathlib.Path(__file__).parent / "bin"
-_latvox.set_program(str(_PROGRAMS / "latvox"))
+_latvox.set_program(os.fsencode(_PROGRAMS / "latvox"))
 
 
-def _server() -> str:
-    """Returns the server that is part of this package; "": the one that $LATVOX_LATVOXD or $PATH names."""
+def _server() -> bytes:
+    """Returns the server that is part of this package; empty: the one that $LATVOX_LATVOXD or $PATH names."""
     program = _PROGRAMS / "latvoxd"
-    return "" if os.environ.get("LATVOX_LATVOXD") or not program.exists() else str(program)
+    return b"" if os.environ.get("LATVOX_LATVOXD") or not program.exists() else os.fsencode(program)
 
 
 def _begin(client: Client, mesh: Any, options: Mapping[str, Any], streams: bool = False) -> _latvox.Call:
@@ -173,7 +173,7 @@ class Client:
         if token is not None and address is None and options.get("server") is None:
             raise InvalidArgument("token requires server", reason="BAD_SPEC", field="token")
         self._options: Dict[str, Any] = {**options} if address is None else {**options, "server": address}
-        self._connection = _latvox.Connection(self._options, token or "", _server())
+        self._connection = _latvox.Connection(self._options, (token or "").encode("utf-8", "surrogatepass"), _server())
 
     def voxelize(
         self, mesh: Any, *, progress: Optional[Progress] = None, **options: Unpack[ClientCallOptions]

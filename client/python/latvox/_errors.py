@@ -102,14 +102,27 @@ def warn(found: List[Tuple[str, str, str]], depth: int) -> None:
         warnings.warn(VoxelizeWarning(message, code, element), stacklevel=depth + 1)
 
 
-def checked_path(name: str, path: Any) -> Any:
-    """Returns the text or the bytes of a path. Errors: InvalidArgument for a NUL: the system would end the name there."""
+def checked_path(name: str, path: Any) -> bytes:
+    """Returns the bytes of a path, as the system has them: they need not be UTF-8.
+
+    Errors: TypeError for what is no path; InvalidArgument for a NUL, where the system would end the name, and for
+    characters that no name of a file can have.
+    """
+    if not isinstance(path, (str, bytes, os.PathLike)):
+        raise TypeError(f"{name}: {path!r} is no path: no str, bytes or os.PathLike")
     text = os.fspath(path)
-    if ("\0" if isinstance(text, str) else b"\0") in text:
-        raise InvalidArgument(
-            f"{name}: {text!r} has a NUL character; a name has no NUL", reason="BAD_SPEC", field=name, value=repr(text), limit="no NUL"
-        )
-    return text
+
+    def bad(what: str, limit: str) -> InvalidArgument:
+        return InvalidArgument(f"{name}: {text!r} {what}", reason="BAD_SPEC", field=name, value=repr(text), limit=limit)
+
+    try:
+        encoded = os.fsencode(text)
+    except UnicodeEncodeError as error:
+        limit = f"characters of {error.encoding}"
+        raise bad(f"has others than {limit}", limit) from None
+    if b"\0" in encoded:
+        raise bad("has a NUL character; a name has no NUL", "no NUL")
+    return encoded
 
 
 def refuse_path(name: str, given: Any) -> None:

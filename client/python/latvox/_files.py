@@ -12,13 +12,13 @@ from . import _latvox
 from ._errors import InvalidArgument, checked_path, refuse_path, warn
 from ._voxels import Grid
 
-_Path = Union[str, "os.PathLike[str]"]
+_Path = Union[str, bytes, "os.PathLike[str]", "os.PathLike[bytes]"]
 
 
-def _word(name: str, path: _Path) -> str:
+def _word(name: str, path: _Path) -> bytes:
     """Returns a path that does not look like an option."""
     text = checked_path(name, path)
-    return f"./{text}" if text.startswith("-") else text
+    return b"./" + text if text.startswith(b"-") else text
 
 
 def open(path: _Path) -> Grid:
@@ -63,7 +63,7 @@ def merge(parts: Iterable[_Path], out: _Path) -> Dict[str, Any]:
     allows, because all parts are open at once. Errors: InvalidArgument, if the parts do not belong together.
     """
     refuse_path("parts", parts)
-    paths: List[str] = [_word("parts", part) for part in parts]
+    paths: List[bytes] = [_word("parts", part) for part in parts]
     if not paths:
         raise InvalidArgument("parts names no file; merge needs at least 1", field="parts", value="[]", limit="1")
     return json.loads(_latvox.merge(paths, checked_path("out", out)))

@@ -28,7 +28,7 @@ class Part(NamedTuple):
     sizes: Optional[np.ndarray] = None  # (m,): the number of corners of each face
 
 
-Source = Union[List[str], Tuple[Part, ...]]  # paths, or parts
+Source = Union[List[bytes], Tuple[Part, ...]]  # paths, or parts
 
 
 def source_of(mesh: Any, with_colors: bool) -> Source:
@@ -66,12 +66,12 @@ def _parts(place: str, mesh: Any, with_colors: bool) -> List[Part]:
 
 
 def _is_path(value: Any) -> bool:
-    return isinstance(value, (str, os.PathLike))
+    return isinstance(value, (str, bytes, os.PathLike))
 
 
-def _path(value: Any) -> str:
+def _path(value: Any) -> bytes:
     path = checked_path("mesh", value)
-    return "./-" if path == "-" else path  # latvox would read standard input
+    return b"./-" if path == b"-" else path  # latvox would read standard input
 
 
 def _rank(value: Any) -> Optional[int]:

@@ -8,7 +8,7 @@ import numpy as np
 _Integer = Union[int, np.integer]
 _Number = Union[float, np.integer, np.floating]
 _Numbers = Union[Sequence[Union[_Number, Sequence[_Number]]], np.ndarray[Any, Any], str]
-_Path = Union[str, os.PathLike[str]]
+_Path = Union[str, bytes, os.PathLike[str], os.PathLike[bytes]]
 _Names = Union[str, Sequence[str], np.ndarray[Any, Any]]
 _Labels = Union[str, _Integer, Sequence[Union[str, _Integer]], np.ndarray[Any, Any]]
 

@@ -194,7 +194,7 @@ class Grid(Bricks):
 
     def save(
         self,
-        path: Union[str, os.PathLike],
+        path: Union[str, bytes, os.PathLike],
         npy: str = "coordinates",
         *,
         array: Union[None, str, Sequence[str]] = None,
