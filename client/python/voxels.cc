@@ -204,7 +204,7 @@ absl::Status Write(const Voxels& voxels, const VoxelizeOptions& options, const C
   if (absl::Status status = AddInPieces(all, cancellation, add); !status.ok()) return (*files)->Named(status);
   warnings = (*output)->Warnings();
   if (absl::Status status = (*output)->Finish(voxels.all.summary); !status.ok()) return (*files)->Named(status);
-  return cancellation.cancelled() ? absl::CancelledError("cancelled") : (*output)->Commit();
+  return cancellation.cancelled() ? absl::CancelledError("cancelled") : (*files)->Named((*output)->Commit());
 }
 
 // Errors: INVALID_ARGUMENT: the voxels carry no such field; the path's format holds all.
@@ -237,7 +237,7 @@ py::list Save(const Voxels& voxels, const std::string& path, bool dense_npy, con
   options.output_options.dense_npy = dense_npy;
   options.outputs = {path};
   options.remote.allow_http = allow_http;
-  Check(NameRemoteOutputs(options.outputs, options.remote));  // first: the query of a URL hides the extension
+  Check(OfPath(NameRemoteOutputs(options.outputs, options.remote)));  // first: the query of a URL hides the extension
   if (!array.empty()) Check(SelectArray(array, options));
   std::vector<Warning> warnings;
   RunOnFiles([&](Work& work) { return OfPath(Write(voxels, options, work.cancellation(), warnings)); });

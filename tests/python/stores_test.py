@@ -72,11 +72,28 @@ def test_presigned_urls_keep_their_secrets(store, server, tmp_path):
 
 
 def test_what_is_refused_is_named(server, tmp_path):
-    with pytest.raises(latvox.NotFound, match="s3://bucket/none.obj"):
+    with pytest.raises(latvox.NotFound, match="s3://bucket/none.obj") as caught:
         server.voxelize("s3://bucket/none.obj", resolution=9)
+    assert (caught.value.field, caught.value.value) == ("mesh", "s3://bucket/none.obj")
     v = local(server, tmp_path)
-    with pytest.raises(latvox.InvalidArgument, match=r'"s3://bucket/a.mhd": a .mhd is not one file'):
+    with pytest.raises(latvox.InvalidArgument, match=r'"s3://bucket/a.mhd": a .mhd is not one file') as caught:
         v.save("s3://bucket/a.mhd")
+    assert (caught.value.reason, caught.value.field, caught.value.value) == ("BAD_SPEC", "path", "s3://bucket/a.mhd")
+    for call, field in (
+        (lambda name: server.voxelize(name, resolution=9), "mesh"),
+        (lambda name: server.voxelize(tmp_path / "mesh.obj", resolution=9, out=name), "out"),
+        (v.save, "path"),
+    ):
+        with pytest.raises(latvox.InvalidArgument, match="is not s3://BUCKET/KEY") as caught:
+            call("s3:///a.csv")
+        assert (caught.value.reason, caught.value.field, caught.value.value) == ("BAD_SPEC", field, "s3:///a.csv")
+    for call, field in (
+        (v.save, "path"),
+        (lambda name: server.voxelize(tmp_path / "mesh.obj", resolution=9, out=name), "out"),
+    ):
+        with pytest.raises(latvox.NotFound) as caught:
+            call("s3://none/a.csv")
+        assert (caught.value.field, caught.value.value) == (field, "s3://none/a.csv")
     with pytest.raises(latvox.InvalidArgument, match="is not one of"):
         v.save("s3://bucket/a.xyz")
     with pytest.raises(latvox.InvalidArgument, match="bucket"):
@@ -89,12 +106,14 @@ def test_plain_http_to_other_machines_needs_an_argument(store, server, tmp_path)
         return presign(method, store.port, "bucket", name).replace("127.0.0.1", "[::ffff:127.0.0.1]")
 
     v = local(server, tmp_path)
-    for call in (
-        lambda **more: server.voxelize(elsewhere("GET", "mesh 1+.obj"), resolution=9, **more),
-        lambda **more: v.save(elsewhere("PUT", "a.csv"), **more),
+    for call, field in (
+        (lambda **more: server.voxelize(elsewhere("GET", "mesh 1+.obj"), resolution=9, **more), "mesh"),
+        (lambda **more: v.save(elsewhere("PUT", "a.csv"), **more), "path"),
     ):
-        with pytest.raises(latvox.InvalidArgument, match="allow_http"):
+        with pytest.raises(latvox.InvalidArgument, match="allow_http") as caught:
             call()
+        error = caught.value
+        assert (error.field, error.limit) == (field, "https:") and error.reason and error.value.startswith("http://[")
         # The signature is about another host, so the store refuses: it was asked.
         with pytest.raises(latvox.Error, match="HTTP 403"):
             call(allow_http=True)

@@ -9,6 +9,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
+#include "client/internal/file_error.h"
 #include "client/tool/remote/remote_output.h"
 #include "latvox/error.h"
 
@@ -37,7 +38,9 @@ absl::StatusOr<std::unique_ptr<RemoteFiles>> RemoteFiles::Fetch(const VoxelizeOp
 
 absl::Status RemoteFiles::CheckAccess() const {
   for (const auto& [name, object] : options_.remote.objects) {
-    if (auto status = client::CheckAccess(object, transfer_); !status.ok()) return status;
+    if (auto status = client::CheckAccess(object, transfer_); !status.ok()) {
+      return WithFile(status, FieldOf(name), name, absl::IsInvalidArgument(status) && !object.is_s3() ? "https:" : "");
+    }
   }
   return absl::OkStatus();
 }
@@ -69,7 +72,7 @@ absl::Status RemoteFiles::FetchMeshes() {
     const auto found = options_.remote.objects.find(mesh);
     if (found == options_.remote.objects.end()) continue;
     mesh = NextPath(found->second);
-    if (auto status = client::Fetch(found->second, mesh, transfer_); !status.ok()) return status;
+    if (auto status = client::Fetch(found->second, mesh, transfer_); !status.ok()) return WithObject(status);
   }
   return absl::OkStatus();
 }
@@ -132,12 +135,22 @@ std::string RemoteFiles::Named(const std::string& text) const {
 }
 
 absl::Status RemoteFiles::Named(const absl::Status& status) const {
-  if (status.ok() || copies_.empty()) return status;
+  if (status.ok() || options_.remote.objects.empty()) return status;
   absl::Status named(status.code(), Named(std::string(status.message())));
   ErrorDetails details = GetErrorDetails(status);
   details.value = Named(details.value);
   SetErrorDetails(details, named);
-  return named;
+  return WithObject(named);
+}
+
+absl::Status RemoteFiles::WithObject(absl::Status status) const {
+  for (const auto& [name, object] : options_.remote.objects) status = WithFile(status, FieldOf(name), name);
+  return status;
+}
+
+std::string RemoteFiles::FieldOf(const std::string& name) const {
+  const std::vector<std::string>& outputs = options_.outputs;
+  return std::find(outputs.begin(), outputs.end(), name) != outputs.end() ? "--out" : "mesh";
 }
 
 void RemoteFiles::Name(VoxelizeReport& report) const {

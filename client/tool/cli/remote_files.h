@@ -63,6 +63,10 @@ class RemoteFiles {
   absl::Status MakeDirectory();
   absl::Status FetchMeshes();
   std::string NextPath(const RemoteName& remote);
+  // Returns the error with the object that its message names as its ErrorDetails.
+  absl::Status WithObject(absl::Status status) const;
+  // Returns what names the object.
+  std::string FieldOf(const std::string& name) const;
 
   const VoxelizeOptions& options_;
   VoxelizeOptions local_;

@@ -17,8 +17,8 @@ struct RemoteNames {
   bool allow_http = false;
 };
 
-// Replaces each URL among the words by its name, and keeps it in `remote`. Errors: as ParseRemote; INVALID_ARGUMENT:
-// two URLs differ only in their queries.
+// Replaces each URL among the words, paths of meshes, by its name, and keeps it in `remote`. Errors name field and
+// value: as ParseRemote; INVALID_ARGUMENT: two URLs differ only in their queries.
 absl::Status NameRemotes(std::vector<std::string>& words, RemoteNames& remote);
 
 // Does the same for outputs. Errors: INVALID_ARGUMENT also for a format of two files.

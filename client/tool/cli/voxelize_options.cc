@@ -17,6 +17,7 @@
 #include "client/tool/output/output.h"
 #include "client/tool/remote/remote_name.h"
 #include "client/tool/view/page.h"
+#include "latvox/error.h"
 #include "latvox/stretched.h"
 
 namespace latvox::client {
@@ -224,7 +225,9 @@ VoxelizeOptions InterpretRequest(const VoxelizeWords& words) {
 void NameRemoteFiles(VoxelizeOptions& options) {
   for (const absl::Status& status :
        {NameRemotes(options.mesh.paths, options.remote), NameRemoteOutputs(options.outputs, options.remote)}) {
-    if (!status.ok()) Refuse(status.message());
+    if (status.ok()) continue;
+    const ErrorDetails details = GetErrorDetails(status);
+    throw UsageError(std::string(status.message()), {details.field, details.value, details.limit});
   }
 }
 
