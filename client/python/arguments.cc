@@ -77,9 +77,13 @@ const Keyword& Find(const std::string& name, const std::vector<Keyword>& keyword
       keyword.is_flag() ? " is not True or False" : " is not a number, a text, a path or a sequence of these"));
 }
 
-// Numbers of numpy, and its arrays, become those of Python with the same value.
+// Numbers of numpy, and its arrays, become those of Python with the same value. The nearest float stands for a
+// longdouble, which Python lacks.
 py::object Plain(py::handle value) {
-  return py::hasattr(value, "tolist") ? value.attr("tolist")() : py::reinterpret_borrow<py::object>(value);
+  if (!py::hasattr(value, "tolist")) return py::reinterpret_borrow<py::object>(value);
+  const py::object plain = value.attr("tolist")();
+  const bool is_long = py::hasattr(plain, "dtype") && py::str(plain.attr("dtype").attr("kind")).equal(py::str("f"));
+  return is_long ? py::float_(plain) : plain;
 }
 
 bool IsSequence(py::handle value) { return py::isinstance<py::list>(value) || py::isinstance<py::tuple>(value); }
@@ -107,7 +111,11 @@ std::string TextOf(const Keyword& keyword, py::handle given) {
   const bool is_number = py::isinstance<py::int_>(value) || py::isinstance<py::float_>(value);
   // A subclass, such as an enum, may print itself in another way.
   const auto print = py::isinstance<py::int_>(value) ? PyLong_Type.tp_repr : PyFloat_Type.tp_repr;
-  if (is_number && !py::isinstance<py::bool_>(value)) return py::reinterpret_steal<py::str>(print(value.ptr()));
+  if (is_number && !py::isinstance<py::bool_>(value)) {
+    PyObject* const text = print(value.ptr());
+    if (text == nullptr) RefuseText(keyword, "the number has too many digits", "sys.get_int_max_str_digits()");
+    return py::reinterpret_steal<py::str>(text);
+  }
   if (!IsSequence(value)) RefuseType(keyword, given);
   std::vector<std::string> texts;
   for (const py::handle one : value) {

@@ -101,10 +101,11 @@ absl::Status AddPositions(const py::array& asked, bool skip_bad, Mesh& mesh) {
 }
 
 // Returns the error of row `f`, whose indices may be out of range.
-absl::Status CheckFace(py::ssize_t f, const std::vector<int64_t>& indices, const Mesh& mesh) {
+template <class T>
+absl::Status CheckFace(py::ssize_t f, const std::vector<T>& indices, const Mesh& mesh) {
   const size_t count = mesh.positions.size();
-  for (const int64_t index : indices) {
-    if (index < 0 || static_cast<uint64_t>(index) >= count) {
+  for (const T index : indices) {
+    if (std::cmp_less(index, 0) || std::cmp_greater_equal(index, count)) {
       return Wrong("faces", absl::StrCat(index), absl::StrCat("0 to below ", count), "[", f, "]: index ", index,
                    " is not within 0 and ", count, ", the number of vertices");
     }
@@ -138,8 +139,12 @@ class FaceAdder {
     }
     absl::Status status;
     const auto take = [&](const auto& table) { status = AddRows(table); };
-    if (!TakeAs<int32_t>(given, take) && !TakeAs<int64_t>(given, take) && !TakeAs<uint32_t>(given, take)) {
-      TakeAs<int64_t>(py::array_t<int64_t, kInOrder>::ensure(given), take);  // other integers take a copy of their own
+    if (TakeAs<int32_t>(given, take) || TakeAs<int64_t>(given, take) || TakeAs<uint32_t>(given, take)) return status;
+    // Other integers take a copy of their own, which has the same values.
+    if (given.dtype().kind() == 'u') {
+      TakeAs<uint64_t>(py::array_t<uint64_t, kInOrder>::ensure(given), take);
+    } else {
+      TakeAs<int64_t>(py::array_t<int64_t, kInOrder>::ensure(given), take);
     }
     return status;
   }
@@ -149,9 +154,10 @@ class FaceAdder {
     const auto all = py::array_t<int64_t, kInOrder>::ensure(corners),
                counts = py::array_t<int64_t, kInOrder>::ensure(sizes);
     const int64_t* next = all.data();
+    std::vector<int64_t> face;
     for (py::ssize_t f = 0; f < counts.size(); next += counts.data()[f++]) {
-      face_.assign(next, next + counts.data()[f]);
-      if (absl::Status status = Add(f); !status.ok()) return status;
+      face.assign(next, next + counts.data()[f]);
+      if (absl::Status status = Add(f, face); !status.ok()) return status;
     }
     return absl::OkStatus();
   }
@@ -160,22 +166,23 @@ class FaceAdder {
   template <class T>
   absl::Status AddRows(const py::array_t<T>& given) {
     const auto rows = given.template unchecked<2>();
-    face_.resize(static_cast<size_t>(rows.shape(1)));
+    std::vector<T> face(static_cast<size_t>(rows.shape(1)));
     for (py::ssize_t f = 0; f < rows.shape(0); ++f) {
-      for (py::ssize_t n = 0; n < rows.shape(1); ++n) face_[static_cast<size_t>(n)] = static_cast<int64_t>(rows(f, n));
-      if (absl::Status status = Add(f); !status.ok()) return status;
+      for (py::ssize_t n = 0; n < rows.shape(1); ++n) face[static_cast<size_t>(n)] = rows(f, n);
+      if (absl::Status status = Add(f, face); !status.ok()) return status;
     }
     return absl::OkStatus();
   }
 
-  // Adds face_, which is in row `f`.
-  absl::Status Add(py::ssize_t f) {
+  // Adds the face of row `f`.
+  template <class T>
+  absl::Status Add(py::ssize_t f, const std::vector<T>& face) {
     const size_t number = faces_++;
-    if (absl::Status wrong = CheckFace(f, face_, mesh_); !wrong.ok()) {
+    if (absl::Status wrong = CheckFace(f, face, mesh_); !wrong.ok()) {
       return bad_.Add(wrong, absl::StrCat("faces[", f, "]"));
     }
-    polygon_.resize(face_.size());
-    std::ranges::transform(face_, polygon_.begin(), [](int64_t index) { return static_cast<uint32_t>(index); });
+    polygon_.resize(face.size());
+    std::ranges::transform(face, polygon_.begin(), [](T index) { return static_cast<uint32_t>(index); });
     if (polygon_.size() == 3) {
       mesh_.triangles.push_back({polygon_[0], polygon_[1], polygon_[2]});
     } else {
@@ -189,7 +196,6 @@ class FaceAdder {
   FaceColors& colors_;
   Mesh& mesh_;
   size_t faces_ = 0;  // so far, of all arrays
-  std::vector<int64_t> face_;
   std::vector<uint32_t> polygon_;
 };
 

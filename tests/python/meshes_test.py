@@ -467,6 +467,8 @@ POINTS = VERTICES.astype(float)
         (POINTS, TRIANGLES[:0], "faces: the mesh has none"),
         (POINTS, TRIANGLES + 1, r"faces\[1\]: index 6 is not within 0 and 6, the number of vertices"),
         (POINTS, TRIANGLES - 1, r"faces\[0\]: index -1 is not within 0 and 6"),
+        (POINTS, np.array([[0, 1, 2**64 - 1]], np.uint64), r"faces\[0\]: index 18446744073709551615 is not within 0 and 6"),
+        (POINTS, np.array([[0, 1, 2**63]], ">u8"), r"faces\[0\]: index 9223372036854775808 is not within 0 and 6"),
         (POINTS[:0], TRIANGLES, r"faces\[0\]: index"),
         (np.where(POINTS == 1, np.nan, POINTS), TRIANGLES, r"vertices\[0\]: nan is not finite"),
         (np.where(POINTS == -1, np.inf, POINTS), TRIANGLES, r"vertices\[1\]: inf is not finite"),
@@ -496,6 +498,20 @@ def test_skip_bad_leaves_out_what_it_leaves_out_of_files(tmp_path):
     (tmp_path / "mesh.obj").write_text("\n".join(lines))
     with pytest.warns(latvox.VoxelizeWarning, match="broken elements are left out"):
         assert latvox.voxelize(tmp_path / "mesh.obj", skip_bad=True, **OPTIONS).digest == v.digest
+
+
+def test_rows_of_unequal_length_are_refused():
+    for vertices, faces, field in ((POINTS, [[0, 1, 2], [0, 1, 2, 3]], "faces"), ([[0, 0, 0], [1, 0]], TRIANGLES, "vertices")):
+        with pytest.raises(latvox.InvalidArgument, match=f"^{field}: ") as caught:
+            latvox.voxelize((vertices, faces), resolution=9)
+        assert (caught.value.reason, caught.value.field) == ("BAD_MESH", field) and caught.value.limit
+
+
+def test_an_empty_mesh_of_tensors_has_no_faces():
+    for vertex in ({}, {"positions": Tensor(VERTICES.astype(np.float32))}):
+        mesh = types.SimpleNamespace(vertex=vertex, triangle={})
+        with pytest.raises(latvox.InvalidArgument, match="faces: the mesh has none"):
+            latvox.voxelize(mesh, resolution=9)
 
 
 def test_skip_bad_that_leaves_no_face_names_the_first_broken_one():

@@ -293,6 +293,9 @@ def test_wrong_values_name_field_value_and_limit(options, field, text, server):
         ({"set": "solid", "labels": "part", "priority": ["a,b"]}, ("priority", "a,b", "no comma", None)),
         ({"set": "solid", "labels": "part", "fraction_labels": ("a,b", "c")}, ("fraction_labels", "a,b", "no comma", None)),
         ({"set": "interior", "separability": 2}, ("separability", "2", None, "set")),
+        ({"lattice": "\ud800"}, ("lattice", None, "characters of Unicode", None)),
+        ({"lattice": "\udcff"}, ("lattice", "\udcff", "cartesian, bcc, fcc, hexagonal", None)),
+        ({"fields": 5}, ("fields", "5", "part, material, color, distance, triangle, point, normal, links, link_triangles, link_crossings, fraction, label_fractions", None)),
     ],
 )
 def test_errors_have_field_value_and_limit(options, facts, server):
@@ -337,11 +340,25 @@ def test_errors_of_the_server_name_keywords(server):
         ({"resolution": True}, "resolution: True is not a number, a text, a path or a sequence of these"),
         ({"origin": {1: 2}}, "origin: {1: 2} is not a number"),
         ({"origin": [0, None, 0]}, "origin: None is not a number"),
+        ({"lattice": b"bcc"}, "lattice: b'bcc' is not a number"),
     ],
 )
 def test_wrong_names_and_types_are_type_errors(options, text, server):
     with pytest.raises(TypeError, match=re.escape(text)):
         server.voxelize(BUNNY, **options)
+
+
+def test_the_number_of_threads_is_a_number():
+    with pytest.raises(TypeError, match=r"threads: \[2\] is not a whole number"):
+        latvox.voxelize(BUNNY, threads=[2])
+
+
+def test_numbers_of_any_type(server):
+    v = server.voxelize(BUNNY, voxel_size=np.longdouble(0.125), origin=np.array([0, 0.5, 0], np.longdouble))
+    assert v.voxel_size == 0.125 and v.origin.tolist() == [0, 0.5, 0]
+    if hasattr(sys, "get_int_max_str_digits"):
+        with pytest.raises(latvox.InvalidArgument, match="resolution: the number has too many digits"):
+            server.voxelize(BUNNY, resolution=10 ** (sys.get_int_max_str_digits() + 1))
 
 
 def test_errors_of_the_server_have_its_details(server):

@@ -215,6 +215,22 @@ def test_save_of_fields_replaces_and_refuses(bunny, tmp_path):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a.csv"]
 
 
+def test_arguments_of_other_types_are_named(bunny, tmp_path):
+    for call, text in (
+        (lambda: bunny.save(tmp_path / "a.nrrd", array=5), "array: 5 is neither the name of a field nor a sequence"),
+        (lambda: bunny.save(tmp_path / "a.nrrd", array=["part", 5]), r"array: \['part', 5\] is neither"),
+        (lambda: bunny.save(tmp_path / "a.csv", allow_http="no"), "allow_http: 'no' is not True or False"),
+        (lambda: bunny.dense(["distance"]), r"^\['distance'\] is no name of a field"),
+        (lambda: bunny.names(5), "^5 is no name of a field"),
+    ):
+        with pytest.raises(TypeError, match=text) as caught:
+            call()
+        assert "incompatible function arguments" not in str(caught.value)
+    with pytest.raises(KeyError, match="voxels carry no field"):
+        bunny["\ud800"]
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_files_that_are_too_small_for_the_voxels(server, tmp_path):
     """The error names what is wrong, the limit, and formats that can hold them."""
     for call, limit, formats in (

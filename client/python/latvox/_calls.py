@@ -16,6 +16,7 @@ from typing import (
     Any,
     Callable,
     Dict,
+    Hashable,
     Iterable,
     Iterator,
     List,
@@ -64,7 +65,7 @@ def _server() -> bytes:
 def _begin(client: Client, mesh: Any, options: Mapping[str, Any], streams: bool = False) -> _latvox.Call:
     _refuse_unknown(options, "request", "call")
     fields = options.get("fields")
-    names = fields.split(",") if isinstance(fields, str) else list(fields if fields is not None else ())
+    names = fields.split(",") if isinstance(fields, str) else list(fields) if isinstance(fields, Iterable) else []
     source = source_of(mesh, with_colors="color" in names)
     return _latvox.Call(client._connection, source, {**client._options, **options}, streams)
 
@@ -253,6 +254,8 @@ def _choose(options: Mapping[str, Any]) -> tuple[Client, Dict[str, Any]]:
     if chosen.keys() - {"threads"}:
         return Client(chosen.pop("server", None), **chosen), others
     threads = chosen.get("threads")
+    if not isinstance(threads, Hashable):
+        raise TypeError(f"threads: {threads!r} is not a whole number")
     with _lock:
         if threads not in _private:
             _private[threads] = Client(threads=threads)

@@ -50,7 +50,8 @@ def source_of(mesh: Any, with_colors: bool) -> Source:
 def _parts(place: str, mesh: Any, with_colors: bool) -> List[Part]:
     """Returns the parts of one mesh, which is no path."""
     if _is_pair(mesh):
-        return [Part(np.asarray(mesh[0]), [np.asarray(mesh[1])], no_color="arrays of vertices and faces have none")]
+        vertices, faces = (_array(name, rows) for name, rows in zip(("vertices", "faces"), mesh))
+        return [Part(vertices, [faces], no_color="arrays of vertices and faces have none")]
     for read in (_scene, _vtk, _meshio, _open3d_tensor, _open3d, _trimesh):
         found = read(mesh, with_colors)
         if found is not None:
@@ -63,6 +64,15 @@ def _parts(place: str, mesh: Any, with_colors: bool) -> List[Part]:
         " (points, cells), or VTK and PyVista (GetPoints, GetPolys)"
         + ("; pass its surface" if hasattr(mesh, "GetPoints") else "")
     )
+
+
+def _array(field: str, rows: Any) -> np.ndarray:
+    """Returns an array. Errors: InvalidArgument for rows of unequal length."""
+    try:
+        return np.asarray(rows)
+    except ValueError as error:
+        text = f"{field}: no array has these rows, which may differ in length ({error})"
+        raise InvalidArgument(text, reason="BAD_MESH", field=field, limit="rows of equal length") from None
 
 
 def _is_path(value: Any) -> bool:
@@ -209,9 +219,11 @@ def _open3d_tensor(mesh: Any, with_colors: bool) -> Optional[List[Part]]:
     def colors_of(elements: Any) -> np.ndarray:
         return _bytes_of(_numbers_of(elements["colors"])) if with_colors and "colors" in elements else _NONE
 
-    faces = [_numbers_of(triangle["indices"])]
+    # An empty mesh lacks both.
+    vertices = _numbers_of(vertex["positions"]) if "positions" in vertex else np.empty((0, 3))
+    faces = _numbers_of(triangle["indices"]) if "indices" in triangle else np.empty((0, 3), np.int64)
     why_not = "looked for colors of vertex and of triangle"
-    return [Part(_numbers_of(vertex["positions"]), faces, colors_of(vertex), colors_of(triangle), no_color=why_not)]
+    return [Part(vertices, [faces], colors_of(vertex), colors_of(triangle), no_color=why_not)]
 
 
 def _open3d(mesh: Any, with_colors: bool) -> Optional[List[Part]]:
@@ -245,7 +257,7 @@ def _scene(scene: Any, with_colors: bool) -> Optional[List[Part]]:
     for node in scene.graph.nodes_geometry:
         matrix, geometry = scene.graph[node]
         for part in _trimesh(scene.geometry[geometry], with_colors) or []:  # points and curves have no faces
-            parts.append(_placed(part, np.asarray(matrix))._replace(name=str(node)))
+            parts.append(_placed(part, np.asarray(matrix))._replace(name=str(node).encode("utf-8", "replace").decode()))
     if not parts:
         raise _bad("", "", "the scene has no mesh")
     return parts

@@ -9,7 +9,20 @@ import os
 import pathlib
 import tempfile
 import warnings as python_warnings
-from typing import TYPE_CHECKING, Any, Dict, List, NamedTuple, NoReturn, Optional, Sequence, SupportsIndex, Tuple, Union
+from typing import (
+    TYPE_CHECKING,
+    Any,
+    Dict,
+    Iterable,
+    List,
+    NamedTuple,
+    NoReturn,
+    Optional,
+    Sequence,
+    SupportsIndex,
+    Tuple,
+    Union,
+)
 
 import numpy as np
 
@@ -21,6 +34,21 @@ _NOTES = ("EMPTY_SHARD",)  # warnings of a shard that is as it should be
 _Point = Union[Sequence[SupportsIndex], np.ndarray]
 
 _ARRAYS = "take ijk, points, dense() or the values of a field, such as v['distance']"
+
+
+def _name(field: Any) -> str:
+    """Returns the name of a field. No field has a name that is not UTF-8."""
+    if not isinstance(field, str):
+        raise TypeError(f"{field!r} is no name of a field; {_ARRAYS}")
+    return field.encode("utf-8", "backslashreplace").decode()
+
+
+def _names(argument: str, fields: Any) -> str:
+    """Returns names of fields, or one, with commas."""
+    names = [fields] if isinstance(fields, str) else list(fields) if isinstance(fields, Iterable) else None
+    if names is None or not all(isinstance(name, str) for name in names):
+        raise TypeError(f"{argument}: {fields!r} is neither the name of a field nor a sequence of names")
+    return ",".join(map(_name, names))
 
 
 def _corners(box: Any) -> Tuple[Tuple[int, ...], Tuple[int, ...]]:
@@ -92,9 +120,7 @@ class Bricks:
 
         Errors: KeyError for a field that the voxels do not carry.
         """
-        if not isinstance(field, str):
-            raise TypeError(f"{field!r} is no name of a field; {_ARRAYS}")
-        return self._voxels.field(field)
+        return self._voxels.field(_name(field))
 
     def __contains__(self, field: object) -> bool:
         """Returns whether the voxels carry a field."""
@@ -110,7 +136,7 @@ class Bricks:
 
     def names(self, field: str) -> List[str]:
         """Returns the mesh file's names of the numbers of "part" or "material"; [] if it has none."""
-        return self._voxels.names(field)
+        return self._voxels.names(_name(field))
 
     @property
     def basis(self) -> np.ndarray:
@@ -187,7 +213,7 @@ class Grid(Bricks):
         voxels do not fit into dims; ResourceExhausted for more than 2**30 points.
         Memory: a byte for each point, and the bytes of the field.
         """
-        data, low = self._voxels.dense(None if box is None else _corners(box), field or "")
+        data, low = self._voxels.dense(None if box is None else _corners(box), _name(field or ""))
         affine = self.affine
         affine[:3, 3] += self.basis.T @ np.array(low)
         return Dense(data, low, affine)
@@ -214,9 +240,11 @@ class Grid(Bricks):
             limit = "coordinates, dense"
             text = f'npy: "{npy}" is not one of {limit}'
             raise InvalidArgument(text, reason="BAD_SPEC", field="npy", value=str(npy), limit=limit)
+        if not isinstance(allow_http, bool):
+            raise TypeError(f"allow_http: {allow_http!r} is not True or False")
         fields = ""
         if array is not None:
-            fields = array if isinstance(array, str) else ",".join(array)
+            fields = _names("array", array)
             if not fields:
                 raise InvalidArgument('array: is empty; "none" selects no field', reason="BAD_SPEC", field="array")
         warn(self._voxels.save(checked_path("path", path), npy == "dense", fields, allow_http), 2)
