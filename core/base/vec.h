@@ -3,6 +3,7 @@
 #define LATVOX_CORE_BASE_VEC_H_
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
@@ -61,6 +62,8 @@ constexpr auto Dot(const Vec<A, D>& a, const Vec<B, D>& b) {
   for (size_t m = 0; m < D; ++m) sum += a[m] * b[m];
   return sum;
 }
+
+inline double LengthOf(const Vec3d& v) { return std::sqrt(Dot(v, v)); }
 
 template <class T>
 constexpr Vec<T, 3> Cross(const Vec<T, 3>& a, const Vec<T, 3>& b) {

@@ -25,7 +25,7 @@ class NormalWriter final : public FieldWriter {
     Vec3f unit{};
     if (nearest.shape->has_area()) {
       const Vec3d normal = Apply(cofactor_, ToDouble(nearest.shape->normal()));
-      const double length = std::sqrt(Dot(normal, normal));
+      const double length = LengthOf(normal);
       for (size_t m = 0; m < 3; ++m) unit[m] = static_cast<float>(normal[m] / length) + 0.0F;  // turns -0 into 0
     }
     AppendBytes(unit, out);

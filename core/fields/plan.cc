@@ -32,8 +32,6 @@ std::optional<size_t> PlaceOfLabels(const VoxelRequest& request) {
   return static_cast<size_t>(std::ranges::find(of_mesh, labels->field) - of_mesh.begin());
 }
 
-double LengthOf(const Vec3d& v) { return std::sqrt(Dot(v, v)); }
-
 // The distance from the mesh of voxels that are searched, world units; infinite if there is no bound. A separating
 // voxel is an end of a link along a frame, and the mesh crosses the nearer half of that link. A voxel of links is
 // either end. The cell of a supercover's voxel meets the mesh. It reaches no farther than half the diagonal of a box

@@ -33,7 +33,7 @@ class Slab {
     const Mat3d& inverse = neighborhood.lattice.inverse();
     Vec3d gradient;
     for (size_t m = 0; m < 3; ++m) gradient[m] = Dot(inverse[m], normal_);
-    far_ = neighborhood.radius * std::sqrt(Dot(gradient, gradient)) * (1 + kSymmetryTolerance);
+    far_ = neighborhood.radius * LengthOf(gradient) * (1 + kSymmetryTolerance);
   }
 
   // normal . (point - v0): the signed distance times the normal's length.

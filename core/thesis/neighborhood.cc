@@ -26,11 +26,11 @@ Neighborhood::Neighborhood(const Lattice& of, int k)
     : lattice(of), frames(of.frames(k)), radius(0), ball{}, covering_radius_max(CoveringRadiusBound(of.basis())) {
   for (const Frame& frame : frames) {
     const Vec3d step = Apply(lattice.basis(), frame.q);
-    radius = std::max(radius, std::sqrt(Dot(step, step)) / 2);
+    radius = std::max(radius, LengthOf(step) / 2);
   }
   for (size_t m = 0; m < 3; ++m) {
     const Vec3d row{lattice.inverse()[0][m], lattice.inverse()[1][m], lattice.inverse()[2][m]};
-    ball[m] = radius * (1 + kSymmetryTolerance) * std::sqrt(Dot(row, row));
+    ball[m] = radius * (1 + kSymmetryTolerance) * LengthOf(row);
   }
 }
 

@@ -49,8 +49,6 @@ struct Corners {
   }
 };
 
-double LengthOf(const Vec3d& v) { return std::sqrt(Dot(v, v)); }
-
 template <class Vertex>
 double TwiceAreaOf(const Corners<Vertex>& at) {
   return LengthOf(Cross(at.Between(at.a, at.b), at.Between(at.a, at.c)));

@@ -32,12 +32,12 @@ MeshExtent ExtentOf(const TriangleMesh& mesh, StopSignal stop = {});
 // the only bound. The thesis's algorithms also have some voxels along the edges of triangles without area, whatever the
 // region.
 //
-// Takes up to one pass over the triangles. Precondition: CheckMesh(mesh) is OK.
+// Takes up to two passes over the triangles. Precondition: CheckMesh(mesh) is OK.
 //   extent   the mesh's
 double EstimateVoxels(const TriangleMesh& mesh, const MeshExtent& extent, const Grid& grid, const VoxelRequest& request,
                       StopSignal stop = {});
 
-// Estimates how many lattice points a job looks at; a point counts each time. Takes one pass, as above.
+// Estimates how many lattice points a job looks at; a point counts each time. Takes a few passes, as above.
 //
 //   band          the points within its width of each triangle; a shard gets its part
 //   brute force   all points in the boxes around triangles

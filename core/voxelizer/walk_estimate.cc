@@ -21,8 +21,6 @@ namespace {
 
 constexpr size_t kPiece = 4096;  // vertices or triangles between two looks at the stop signal
 
-double LengthOf(const Vec3d& v) { return std::sqrt(Dot(v, v)); }
-
 // How far walls and their tiles are from the mesh.
 struct WallRoom {
   double width;        // half of `close`, world units

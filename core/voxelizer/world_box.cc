@@ -39,8 +39,6 @@ bool AllCorners(const IndexBox& box, const F& f) {
   return true;
 }
 
-double LengthOf(const Vec3d& v) { return std::sqrt(Dot(v, v)); }
-
 }  // namespace
 
 // Returns the sign of a point's position minus the limit, along a world axis. Seven operations round, each by 2^-53 of
