@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "deploy/process/child.h"
 #include "server/decode/decoder_worker.h"
 
 namespace latvox {
@@ -25,38 +26,6 @@ absl::Status Failed(absl::string_view what, int error) {
   return absl::InternalError(absl::StrCat("cannot start a decoder process: ", what, ": ", std::strerror(error)));
 }
 
-// The two arguments of posix_spawn for a process that gets nothing of the server except its end of the socket: no
-// files, no signal settings, no environment. It has a process group of its own, because keys typed at a terminal are
-// for the server.
-class SpawnSetting {
- public:
-  explicit SpawnSetting(int channel) {
-    sigset_t none, all;
-    sigemptyset(&none);
-    sigfillset(&all);
-    posix_spawnattr_init(&attributes);
-    posix_spawnattr_setsigmask(&attributes, &none);
-    posix_spawnattr_setsigdefault(&attributes, &all);
-    posix_spawnattr_setpgroup(&attributes, 0);
-    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
-    posix_spawn_file_actions_init(&files);
-    posix_spawn_file_actions_adddup2(&files, channel, kDecoderChannel);
-    for (const int fd : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
-      posix_spawn_file_actions_addopen(&files, fd, "/dev/null", O_RDWR, 0);
-    }
-    posix_spawn_file_actions_addclosefrom_np(&files, kDecoderChannel + 1);
-  }
-  ~SpawnSetting() {
-    posix_spawn_file_actions_destroy(&files);
-    posix_spawnattr_destroy(&attributes);
-  }
-  SpawnSetting(const SpawnSetting&) = delete;
-  SpawnSetting& operator=(const SpawnSetting&) = delete;
-
-  posix_spawnattr_t attributes;
-  posix_spawn_file_actions_t files;
-};
-
 // Returns errno. posix_spawn is safe in a process with other threads; fork is not.
 int Spawn(const DecoderOptions& options, int channel, pid_t& pid) {
   std::string words[] = {"latvoxd", kDecoderArgument, absl::StrCat(getpid()), absl::StrCat(options.memory),
@@ -65,7 +34,7 @@ int Spawn(const DecoderOptions& options, int channel, pid_t& pid) {
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
   char* no_environment[] = {nullptr};
-  SpawnSetting setting(channel);
+  const ChildSetting setting({channel});
   return posix_spawn(&pid, options.program.c_str(), &setting.files, &setting.attributes, arguments.data(),
                      no_environment);
 }

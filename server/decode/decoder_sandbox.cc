@@ -8,14 +8,13 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <csignal>
-#include <cstdio>
 #include <cstring>
 #include <memory>
 
 #include "absl/strings/str_cat.h"
+#include "deploy/process/child.h"
 #include "server/decode/decoder_process.h"
 
 namespace latvox {
@@ -23,14 +22,6 @@ namespace {
 
 // Standard input, output and error, which lead nowhere, and the channel.
 constexpr rlim_t kOpenFiles = 4;
-
-// Sets the limit, or keeps a lower one, which only a privileged process may raise.
-bool SetLimit(__rlimit_resource resource, rlim_t limit) {
-  rlimit both{};
-  if (getrlimit(resource, &both) != 0) return false;
-  both.rlim_cur = both.rlim_max = std::min(limit, both.rlim_max);
-  return setrlimit(resource, &both) == 0;
-}
 
 // Raises the process's score, which needs no privilege. Without /proc, the kernel chooses by size alone.
 void BeKilledFirst() {
@@ -69,13 +60,6 @@ absl::Status AddRules(scmp_filter_ctx filter, int channel) {
 
 }  // namespace
 
-uint64_t AddressSpaceInUse() {
-  uint64_t pages = 0;
-  const std::unique_ptr<FILE, int (*)(FILE*)> file(std::fopen("/proc/self/statm", "re"), &std::fclose);
-  if (!file || std::fscanf(file.get(), "%lu", &pages) != 1) return 0;
-  return pages * static_cast<uint64_t>(sysconf(_SC_PAGESIZE));
-}
-
 absl::Status LimitSelf(pid_t parent, uint64_t memory) {
   if (prctl(PR_SET_PDEATHSIG, SIGKILL) != 0) return Failed("PR_SET_PDEATHSIG");
   if (getppid() != parent) return absl::InternalError("the server has ended");  // it ended before the call of prctl
@@ -85,7 +69,7 @@ absl::Status LimitSelf(pid_t parent, uint64_t memory) {
   if (kUnderSanitizer) return absl::OkStatus();
   if (!SetLimit(RLIMIT_CORE, 0)) return Failed("RLIMIT_CORE");
   if (!SetLimit(RLIMIT_FSIZE, 0)) return Failed("RLIMIT_FSIZE");
-  const uint64_t in_use = AddressSpaceInUse();
+  const uint64_t in_use = AddressesInUse();
   if (in_use == 0) return absl::InternalError("/proc/self/statm cannot be read");
   if (memory != kNoMemoryLimit && !SetLimit(RLIMIT_AS, in_use + memory)) return Failed("RLIMIT_AS");
   if (!SetLimit(RLIMIT_NOFILE, kOpenFiles)) return Failed("RLIMIT_NOFILE");

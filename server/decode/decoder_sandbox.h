@@ -34,9 +34,6 @@ absl::Status LimitSelf(pid_t parent, uint64_t memory);
 // file or code. Errors: UNAVAILABLE if the kernel, or the container, does not allow seccomp filters.
 absl::Status ForbidSystemCalls(int channel);
 
-// Bytes of address space in use; 0 if /proc does not tell.
-uint64_t AddressSpaceInUse();
-
 }  // namespace latvox
 
 #endif  // LATVOX_SERVER_DECODE_DECODER_SANDBOX_H_

@@ -12,6 +12,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/string_view.h"
 #include "core/base/kept_memory.h"
+#include "deploy/process/child.h"
 #include "server/decode/decoder_protocol.h"
 #include "server/decode/decoder_sandbox.h"
 #include "server/decode/draco_decoder.h"
@@ -120,7 +121,7 @@ std::optional<int> RunIfDecoderProcess(int argc, const char* const* argv) {
   if (argc != 5 || absl::string_view(argv[1]) != kDecoderArgument) return std::nullopt;
   prctl(PR_SET_NAME, "latvoxd-decoder");
   KeepMemory();
-  const uint64_t in_use = AddressSpaceInUse();
+  const uint64_t in_use = AddressesInUse();
   if (absl::Status status = Confine(argv + 2); !status.ok()) {
     SendError(status);
     return kLost;

@@ -17,6 +17,7 @@
 #include "absl/strings/str_cat.h"
 #include "client/tool/vdb/program_path.h"
 #include "client/tool/vdb/vdb.h"
+#include "deploy/process/child.h"
 
 namespace latvox::client {
 namespace {
@@ -36,39 +37,7 @@ struct OpenFile {
   int fd;
 };
 
-// The two arguments of posix_spawn. The process has a group of its own, because keys typed at a terminal are for the
-// parent.
-class SpawnSetting {
- public:
-  SpawnSetting(int file, int channel) {
-    sigset_t none, all;
-    sigemptyset(&none);
-    sigfillset(&all);
-    posix_spawnattr_init(&attributes);
-    posix_spawnattr_setsigmask(&attributes, &none);
-    posix_spawnattr_setsigdefault(&attributes, &all);
-    posix_spawnattr_setpgroup(&attributes, 0);
-    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
-    posix_spawn_file_actions_init(&files);
-    posix_spawn_file_actions_adddup2(&files, file, kReaderFile);
-    posix_spawn_file_actions_adddup2(&files, channel, kReaderChannel);
-    for (const int fd : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
-      posix_spawn_file_actions_addopen(&files, fd, "/dev/null", O_RDWR, 0);
-    }
-    posix_spawn_file_actions_addclosefrom_np(&files, kReaderChannel + 1);
-  }
-  ~SpawnSetting() {
-    posix_spawn_file_actions_destroy(&files);
-    posix_spawnattr_destroy(&attributes);
-  }
-  SpawnSetting(const SpawnSetting&) = delete;
-  SpawnSetting& operator=(const SpawnSetting&) = delete;
-
-  posix_spawnattr_t attributes;
-  posix_spawn_file_actions_t files;
-};
-
-// Returns errno. Both files have numbers above kReaderChannel, so that no duplicate closes the other.
+// Returns errno. Both files have numbers above kReaderChannel, as ChildSetting needs.
 int Spawn(std::vector<std::string> words, int file, int channel, pid_t& pid) {
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
@@ -78,7 +47,7 @@ int Spawn(std::vector<std::string> words, int file, int channel, pid_t& pid) {
   const char* const folders = std::getenv(kLibraries);
   std::string libraries = absl::StrCat(kLibraries, "=", folders != nullptr ? folders : "");
   char* environment[] = {folders != nullptr ? libraries.data() : nullptr, nullptr};
-  SpawnSetting setting(file, channel);
+  const ChildSetting setting({file, channel});
   return posix_spawn(&pid, ProgramPath().c_str(), &setting.files, &setting.attributes, arguments.data(), environment);
 }
 

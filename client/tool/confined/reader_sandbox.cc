@@ -6,39 +6,19 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <csignal>
-#include <cstdio>
 #include <cstring>
 #include <initializer_list>
 #include <memory>
 
 #include "absl/strings/str_cat.h"
+#include "deploy/process/child.h"
 
 namespace latvox::client {
 namespace {
 
 absl::Status Failed(const char* step) { return absl::InternalError(absl::StrCat(step, ": ", std::strerror(errno))); }
-
-// Sets the limit, and another one at which the system acts at last; or keeps a lower one, which only a privileged
-// process may raise.
-bool SetLimit(__rlimit_resource resource, rlim_t limit, rlim_t last) {
-  rlimit both{};
-  if (getrlimit(resource, &both) != 0) return false;
-  both.rlim_max = std::min(last, both.rlim_max);
-  both.rlim_cur = std::min(limit, both.rlim_max);
-  return setrlimit(resource, &both) == 0;
-}
-
-bool SetLimit(__rlimit_resource resource, rlim_t limit) { return SetLimit(resource, limit, limit); }
-
-uint64_t AddressesInUse() {
-  uint64_t pages = 0;
-  const std::unique_ptr<FILE, int (*)(FILE*)> file(std::fopen("/proc/self/statm", "re"), &std::fclose);
-  if (!file || std::fscanf(file.get(), "%lu", &pages) != 1) return 0;
-  return pages * static_cast<uint64_t>(sysconf(_SC_PAGESIZE));
-}
 
 absl::Status SetLimits(const ReaderLimits& limits) {
   if (!SetLimit(RLIMIT_CPU, limits.seconds, limits.seconds + 1)) return Failed("RLIMIT_CPU");
