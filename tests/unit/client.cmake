@@ -26,7 +26,8 @@ latvox_add_test(client_three_mf_test SOURCES unit/client/mesh_files/three_mf_tes
 latvox_add_test(client_encoder_test SOURCES unit/client/mesh/encoder_test.cc LIBRARIES latvox::mesh draco::draco GTest::gmock)
 latvox_add_test(client_attributes_test SOURCES unit/client/mesh/attributes_test.cc
                 LIBRARIES latvox::mesh_files draco::draco GTest::gmock)
-latvox_add_test(client_curve_test SOURCES unit/client/tool/curve/curve_test.cc unit/client/tool/curve/style_test.cc
+latvox_add_test(client_curve_test SOURCES unit/client/tool/curve/curve_test.cc unit/client/tool/curve/names_test.cc
+                unit/client/tool/curve/style_test.cc
                 LIBRARIES latvox::tool GTest::gmock)
 latvox_add_test(client_output_test SOURCES unit/client/tool/output/output_test.cc
                 LIBRARIES latvox::tool latvox::grid GTest::gmock)

@@ -14,7 +14,9 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
-#include "absl/strings/strip.h"
+#include "absl/strings/string_view.h"
+#include "client/tool/curve/svg_entities.h"
+#include "client/tool/curve/svg_names.h"
 #include "client/tool/curve/svg_path.h"
 #include "client/tool/curve/svg_shapes.h"
 #include "client/tool/curve/svg_style.h"
@@ -48,8 +50,11 @@ class SvgReader {
       return absl::InvalidArgumentError(
           absl::StrCat("line ", LineAt(result.offset), ": is not XML (", result.description(), ")"));
     }
+    ResolveNames(document);
     const pugi::xml_node root = document.document_element();
-    if (NameOf(root) != "svg") return Error(root, "is not svg, the root of a drawing");
+    if (NameOf(root) != "svg") {
+      return Error(root, "is not svg, the root of a drawing, in the namespace ", kSvgNamespace, " or in none");
+    }
     if (auto status = ApplyStyles(document, root); !status.ok()) return status;
     Place place{{}, RootViewport(root)};
     ReadVisibility(root, place);
@@ -61,7 +66,7 @@ class SvgReader {
   }
 
  private:
-  static absl::string_view NameOf(const pugi::xml_node& node) { return absl::StripPrefix(node.name(), "svg:"); }
+  static absl::string_view NameOf(const pugi::xml_node& node) { return node.name(); }
 
   size_t LineAt(std::ptrdiff_t offset) const {
     const auto end = std::clamp<std::ptrdiff_t>(offset, 0, static_cast<std::ptrdiff_t>(text_.size()));
@@ -323,6 +328,10 @@ class SvgReader {
 
 }  // namespace
 
-absl::StatusOr<std::vector<Polyline>> ParseSvg(absl::string_view text) { return SvgReader(text).Read(); }
+absl::StatusOr<std::vector<Polyline>> ParseSvg(absl::string_view text) {
+  const absl::StatusOr<std::string> expanded = ExpandEntities(text);
+  if (!expanded.ok()) return expanded.status();
+  return SvgReader(*expanded).Read();
+}
 
 }  // namespace latvox::client
