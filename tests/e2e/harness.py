@@ -93,8 +93,9 @@ def bytes_written(pid):
 
 
 @contextlib.contextmanager
-def server(directory, *options):
-    """Runs a latvoxd on a socket in `directory`. It ends with SIGTERM, and must then exit with 0."""
+def server(directory, *options, mortal=False):
+    """Runs a latvoxd on a socket in `directory`. It ends with SIGTERM, and must then exit with 0. A mortal one has been
+    killed by then."""
     address = f"unix:{directory}/latvoxd.socket"
     with open(directory / "latvoxd.log", "ab") as log:
         process = subprocess.Popen([BIN / "latvoxd", "--listen", address, *options], stderr=log, stdout=log)
@@ -102,6 +103,9 @@ def server(directory, *options):
     try:
         wait_until_healthy(process)
         yield process
+        if mortal:
+            assert process.wait(PATIENCE) == -signal.SIGKILL, "latvoxd was not killed"
+            return
         assert process.poll() is None, f"latvoxd ended by itself: {(directory / 'latvoxd.log').read_text()}"
         process.send_signal(signal.SIGTERM)
         code = process.wait(PATIENCE)

@@ -1,6 +1,5 @@
 """If a server dies in the middle, the user loses time and gets one line on standard error."""
 
-import contextlib
 import re
 import signal
 import subprocess
@@ -37,18 +36,8 @@ class Resume(Case):
         self.addCleanup(client.kill)
         return client
 
-    @contextlib.contextmanager
-    def mortal_server(self, directory):
-        """Like harness.server, but slow, and it may die."""
-        running = contextlib.ExitStack()
-        try:
-            yield running.enter_context(harness.server(directory, *SLOW))
-        finally:
-            with contextlib.suppress(AssertionError):  # harness.server asks for a good end
-                running.close()
-
     def test_another_server_goes_on(self):
-        with self.mortal_server(self.dirs[0]) as first:
+        with harness.server(self.dirs[0], *SLOW, mortal=True) as first:
             client = self.start()
             time.sleep(1)  # into the stream; the second server must not run yet when the call begins
             with harness.server(self.dirs[1]):
@@ -71,7 +60,7 @@ class Resume(Case):
         self.assertEqual((self.dir / "out.png").read_bytes(), (self.dir / "same.png").read_bytes())
 
     def test_without_another_server_it_gives_up_and_says_so(self):
-        with self.mortal_server(self.dirs[0]) as first:
+        with harness.server(self.dirs[0], *SLOW, mortal=True) as first:
             client = self.start("--retries", "1")
             time.sleep(1)
             first.send_signal(signal.SIGKILL)
@@ -81,7 +70,7 @@ class Resume(Case):
         self.assertFalse((self.dir / "out.png").exists())
 
     def test_the_timeout_covers_all_tries(self):
-        with self.mortal_server(self.dirs[0]) as first:
+        with harness.server(self.dirs[0], *SLOW, mortal=True) as first:
             started = time.monotonic()
             client = self.start("--retries", "1000", "--timeout", "3")
             time.sleep(1)

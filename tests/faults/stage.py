@@ -101,6 +101,7 @@ class Watch:
     def __exit__(self, *_):
         self._over.set()
         self._thread.join()
+        assert self.samples, "the server was never seen at work, so nothing is known about it"
 
 
 class Server:
