@@ -35,7 +35,7 @@ Vec3f Unit(const Vec3f& v) {
 }
 
 // Turns a direction from y up to another up axis. x stays on the right if z is up.
-Vec3d Turned(const Vec3d& v, UpAxis up) {
+Vec3d FromYUp(const Vec3d& v, UpAxis up) {
   if (up == UpAxis::kY) return v;
   return up == UpAxis::kZ ? Vec3d{v[0], -v[2], v[1]} : Vec3d{v[1], v[2], v[0]};
 }
@@ -52,8 +52,8 @@ class Renderer {
         wide_(options.side * kSamples),
         filled_(options.crop ? kFilledIfCropped : kFilled) {
     const double a = options.azimuth * std::numbers::pi / 180, e = options.elevation * std::numbers::pi / 180;
-    right_ = Turned({std::cos(a), 0, -std::sin(a)}, options.up);
-    towards_ = Turned({std::cos(e) * std::sin(a), std::sin(e), std::cos(e) * std::cos(a)}, options.up);
+    right_ = FromYUp({std::cos(a), 0, -std::sin(a)}, options.up);
+    towards_ = FromYUp({std::cos(e) * std::sin(a), std::sin(e), std::cos(e) * std::cos(a)}, options.up);
     up_ = Cross(towards_, right_);
     for (size_t level = 0; level < linear_.size(); ++level) linear_[level] = IntensityOf(static_cast<uint8_t>(level));
     for (size_t m = 0; m < 3; ++m) color_[m] = linear_[options.color[m]];

@@ -98,14 +98,12 @@ Json FacetsOf(const VoronoiCell& cell, const Basis& basis) {
 }
 
 // Returns a direction of the world in the view, where y is up. x stays on the right if z is up.
-Vec3d Turned(const Vec3d& v, UpAxis up) {
+Vec3d ToYUp(const Vec3d& v, UpAxis up) {
   if (up == UpAxis::kY) return v;
   return up == UpAxis::kZ ? Vec3d{v[0], v[2], -v[1]} : Vec3d{v[2], v[0], v[1]};
 }
 
-Basis TurnedBasis(const Basis& basis, UpAxis up) {
-  return {Turned(basis.a, up), Turned(basis.b, up), Turned(basis.c, up)};
-}
+Basis BasisToYUp(const Basis& basis, UpAxis up) { return {ToYUp(basis.a, up), ToYUp(basis.b, up), ToYUp(basis.c, up)}; }
 
 // Places the voxels within distance 1 of 0.
 struct Place {
@@ -202,7 +200,7 @@ absl::StatusOr<std::string> ViewPage(const GridContent& content, const std::stri
   const auto paints = PaintsOf(content);
   if (!paints.ok()) return paints.status();
   const Place placement = PlacementOf(file, box);
-  const Basis basis = TurnedBasis(placement.basis, up);
+  const Basis basis = BasisToYUp(placement.basis, up);
   const VoronoiCell cell = VoronoiCellOf(basis);
   if (auto status = CheckSteps(cell); !status.ok()) return status;
   const GridTransform& grid = file.info.transform;
@@ -213,7 +211,7 @@ absl::StatusOr<std::string> ViewPage(const GridContent& content, const std::stri
                      {"low", box.min},
                      {"high", box.max},
                      {"grid", {{"origin", grid.origin}, {"basis", {grid.basis.a, grid.basis.b, grid.basis.c}}}},
-                     {"axes", {Turned({1, 0, 0}, up), Turned({0, 1, 0}, up), Turned({0, 0, 1}, up)}},
+                     {"axes", {ToYUp({1, 0, 0}, up), ToYUp({0, 1, 0}, up), ToYUp({0, 0, 1}, up)}},
                      {"basis", {basis.a, basis.b, basis.c}},
                      {"middle", placement.middle},
                      {"facets", FacetsOf(cell, basis)},
