@@ -34,8 +34,8 @@ class TriangleIndex {
   // The memory for each triangle, and more while it is made.
   static constexpr uint64_t kBytesPerTriangle = 64;
 
-  // Calls visit(triangle) for all triangles with a distance from the box `low` to `high`, which may be a point, of at
-  // most sqrt(bound), and others, each once, the nearer ones mostly first. visit may lower `bound`.
+  // Calls visit(triangle) once for each triangle within sqrt(bound) of the box `low` to `high`, and for some others.
+  // Nearer triangles mostly come first. The box may be a point. visit may lower `bound`.
   template <class Visit>
   void ForEachNear(const Vec3d& low, const Vec3d& high, const double& bound, Visit&& visit) const {
     struct Entry {

@@ -34,9 +34,9 @@ struct DecoderFacts {
   double most_memory_bytes = 0;    // that decodes in all processes may take
 };
 
-// Decodes wait for a free process, and clients have turns: the next decode is that of the client with the fewest
-// decodes at work, and among these of the one whose last turn is the longest ago. Decodes of large meshes never occupy
-// all of two or more processes, so that small ones do not wait for them.
+// Decodes wait for a free process, and clients have turns. The client with the fewest decodes at work is the next. If
+// several have the fewest, the one that has waited longest since its last turn is the next. Decodes of large meshes
+// never occupy all processes, unless there is only one: small decodes do not wait for them.
 class DecoderPool final : public MeshDecoder {
  public:
   // Starts the processes, and waits for the first of them, unless they start on demand. Errors: INVALID_ARGUMENT (no

@@ -25,7 +25,7 @@ class BrickBatcher {
   static constexpr size_t kFirstFullBytes = kFullBytes / 8;
   // The contract's limit. Bricks that pack well reach it before kFullBytes.
   static constexpr size_t kMaxBricks = 32768;
-  // Of all fields of a part of a tile.
+  // The bytes of all fields of a part of a tile.
   static constexpr size_t kMostPartBytes = size_t{3} << 20;
 
   explicit BrickBatcher(BrickEncoding encoding) : encoding_(encoding) {}

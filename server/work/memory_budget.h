@@ -15,9 +15,8 @@
 
 namespace latvox {
 
-// A client may have the whole budget, until it is in the way of another one: for ten seconds after another client was
-// refused, no client's jobs may grow beyond half of the budget together. So memory that it gives back is there for
-// others.
+// A client may have the whole budget until the server refuses another client. For ten seconds after that, the jobs of
+// one client may not grow beyond half of the budget together. So memory that it gives back is there for others.
 //
 // Thread-safe, and cheap enough for gRPC's callbacks. Must outlive its reservations.
 class MemoryBudget {

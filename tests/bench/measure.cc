@@ -22,7 +22,7 @@ using Clock = std::chrono::steady_clock;
 
 double Milliseconds(Clock::duration duration) { return std::chrono::duration<double, std::milli>(duration).count(); }
 
-// Of all threads, in user and system mode.
+// The time of all threads, in user and system mode.
 double ProcessorMilliseconds() { return 1e3 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 // A job, and the memory that must be freed after the clock stops.

@@ -122,7 +122,7 @@ def test_dense_of_a_box():
 
 
 def test_dense_of_a_field_takes_memory_for_that_field_alone(run):
-    """Of 105 bytes a point that an array of each field takes, it needs 5."""
+    """An array of each field takes 105 bytes a point. This one needs 5."""
     process = run("""
 import latvox, os, resource
 v = latvox.voxelize(os.environ["BUNNY"], resolution=20, set="links", fields=["part", "links"])

@@ -287,7 +287,7 @@ def voxelize(mesh: Any, *, progress: Optional[Progress] = None, **options: Unpac
     Without `server`, the first call starts a private server for this process, and later calls use it. Python can run
     other threads meanwhile. KeyboardInterrupt cancels the call.
 
-    Errors: TypeError for a keyword argument that is none; a subclass of latvox.Error for anything else. Warnings:
+    Errors: TypeError for an unknown keyword argument; a subclass of latvox.Error for anything else. Warnings:
     latvox.VoxelizeWarning.
     """
     client, others = _choose(options)

@@ -186,7 +186,7 @@ class Grid(Bricks):
 
     @property
     def lattice(self) -> str:
-        """ "cartesian", "bcc", "fcc", "hexagonal", "stretched-" and one of these, or "basis"; or "": unknown."""
+        """ "cartesian", "bcc", "fcc", "hexagonal", "stretched-" and one of these, or "basis". "" means unknown."""
         return self.report["metadata"].get("latvox_lattice", "")
 
     @property
@@ -250,7 +250,7 @@ class Grid(Bricks):
         warn(self._voxels.save(checked_path("path", path), npy == "dense", fields, allow_http), 2)
 
     def _repr_png_(self) -> Optional[bytes]:
-        """Returns a picture, for notebooks; None for the answer of a stream, whose batches had the voxels. Errors: as
+        """Returns a picture, for notebooks. The answer of a stream has none: its batches had the voxels. Errors: as
         save."""
         if self._voxels.is_streamed:
             return None

@@ -299,8 +299,8 @@ const latvox::OrderlyEnd latvox::kOrderlyEnd = {"latvox", static_cast<int>(latvo
 int main(int argc, char** argv) {
   if (latvox::client::IsReader(argc, argv)) latvox::client::ReadForParent(argv, latvox::EndAsUsual);
   const int status = static_cast<int>(latvox::client::Main(argc, argv));
-  // What is left are destructors and exit handlers of libraries. They take milliseconds, and free what the system frees
-  // anyway. A leak check is one of them.
+  // Destructors and exit handlers of libraries are left. They take milliseconds, and free what the system frees anyway.
+  // A leak check is one of these handlers.
   const bool loads = latvox::client::Vdb::State() == latvox::client::VdbState::kLoading;
   if (loads || latvox::client::AnyAbandoned() || !latvox::client::kAddressSanitizer) _exit(status);
   return status;

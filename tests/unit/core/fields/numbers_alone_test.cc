@@ -22,7 +22,7 @@ namespace {
 
 using Carried = std::map<Vec3i, VoxelFields>;
 
-// Of overlapping spheres: their triangles are far smaller than voxels, about as large, and far larger.
+// Overlapping spheres, with triangles that are far smaller than voxels, about as large, and far larger.
 constexpr std::array kRings{30, 12, 4};
 
 TriangleMesh Spheres() {
