@@ -151,7 +151,7 @@ absl::StatusOr<Mat<int32_t, D>> ReduceBasis(const Mat<double, D>& basis) {
       Mat<double, D> vectors;
       std::copy_n(b.begin(), D, vectors.begin());
       double box = 1;
-      for (const auto& v : vectors) box *= LengthOf(v);
+      for (const auto& v : vectors) box *= std::sqrt(Dot(v, v));
       if (std::abs(Determinant(vectors)) < kDependent * box) return SingularError<D>();
       Mat<int32_t, D> reduced;
       std::copy_n(t.begin(), D, reduced.begin());
