@@ -13,9 +13,9 @@
 namespace latvox::client {
 namespace {
 
-constexpr int kMaxDepth = 16;                    // of entities in entities
-constexpr size_t kMaxUses = 1'000'000;           // also those in entities
-constexpr size_t kMaxBytes = size_t{256} << 20;  // of the document, with its entities written out
+constexpr int kDeepestEntity = 16;                        // of entities in entities
+constexpr size_t kMostUses = 1'000'000;                   // also those in entities
+constexpr size_t kMostExpandedBytes = size_t{256} << 20;  // of the document, with its entities written out
 
 class Expander {
  public:
@@ -26,9 +26,9 @@ class Expander {
     for (SkipSpace(); SkipNote(); SkipSpace()) continue;
     if (!absl::ConsumePrefix(&rest_, "<!DOCTYPE") || !SkipTo("[>") || rest_[0] == '>') return std::string(xml_);
     rest_.remove_prefix(1);
-    if (auto declared = ReadDeclarations(); !declared.ok()) return declared.status();
+    if (auto status = ReadDeclarations(); !status.ok()) return status;
     if (texts_.empty()) return std::string(xml_);
-    out_ = xml_.substr(0, xml_.size() - rest_.size());
+    out_ = std::string(xml_.substr(0, xml_.size() - rest_.size()));
     if (auto status = Append(rest_, 0); !status.ok()) return status;
     return std::move(out_);
   }
@@ -108,25 +108,25 @@ class Expander {
 
   // Appends a text with its entities written out. Comments and CDATA have none.
   absl::Status Append(absl::string_view text, int depth) {
-    if (depth > kMaxDepth) return Error("entities are nested ", depth, " levels deep; the limit is ", kMaxDepth);
+    if (depth > kDeepestEntity)
+      return Error("entities are nested ", depth, " levels deep; the limit is ", kDeepestEntity);
     while (!text.empty()) {
-      if (depth == 0) rest_ = text;  // for errors
       const size_t at = std::min(text.find_first_of("&<"), text.size());
+      if (depth == 0) rest_ = text.substr(at);  // for errors
       const size_t end = EndOfMark(text.substr(at));
       const auto found = texts_.find(text.substr(at, end).substr(std::min<size_t>(end, 1)));
       if (text.substr(at, 1) != "&" || found == texts_.end()) {
-        out_ += text.substr(0, at + end);
+        absl::StrAppend(&out_, text.substr(0, at + end));
         text.remove_prefix(at + end);
-        if (!text.empty() && out_.size() <= kMaxBytes) continue;
       } else {
-        out_ += text.substr(0, at);
+        absl::StrAppend(&out_, text.substr(0, at));
         text.remove_prefix(at + end + 1);  // and the semicolon
         if (!found->second) return Error("the text of \"&", found->first, ";\" is in another file, which is not read");
-        if (++uses_ > kMaxUses) return Error("exceeds the limit of ", kMaxUses, " uses of entities");
+        if (++uses_ > kMostUses) return Error("exceeds the limit of ", kMostUses, " uses of entities");
         if (auto status = Append(*found->second, depth + 1); !status.ok()) return status;
       }
-      if (out_.size() > kMaxBytes)
-        return Error("exceeds the limit of ", kMaxBytes, " bytes, with entities written out");
+      if (out_.size() > kMostExpandedBytes)
+        return Error("exceeds the limit of ", kMostExpandedBytes, " bytes, with entities written out");
     }
     return absl::OkStatus();
   }

@@ -26,6 +26,7 @@
 #include <string>
 
 #include "absl/strings/match.h"
+#include "deploy/process/child.h"
 #include "server/decode/decoder_pool.h"
 #include "tests/unit/server/decoders.h"
 #include "tests/unit/temporary_directory.h"
@@ -145,7 +146,7 @@ TEST(DecoderSandbox, KeepsALowerLimitOfTheSystem) {
   const pid_t parent = getpid();
   EXPECT_EQ(InChild([&] {
               // Without its privileges, the process cannot raise a hard limit.
-              const rlimit low{AddressSpaceInUse() + kMemory / 2, AddressSpaceInUse() + kMemory / 2};
+              const rlimit low{AddressesInUse() + kMemory / 2, AddressesInUse() + kMemory / 2};
               if (setrlimit(RLIMIT_AS, &low) != 0) return 1;
               if (geteuid() == 0 && setuid(65534) != 0) return 2;
               if (!LimitSelf(parent, kMemory).ok()) return 3;
