@@ -38,6 +38,7 @@ constexpr int64_t kAvx2Targets = HWY_AVX2;
 #else
 constexpr int64_t kAvx512Targets = 0, kAvx2Targets = 0;
 #endif
+constexpr int64_t kBaseline = HWY_STATIC_TARGET;  // what the compiler may use everywhere
 
 }  // namespace
 
@@ -55,7 +56,7 @@ absl::Status ForceSimd(Simd simd) {
         absl::StrCat("simd: this processor has no ", std::string(kSimdNames[static_cast<size_t>(simd)].second)));
   }
   scalar_only = simd == Simd::kScalar;
-  allowed = simd == Simd::kAvx2 ? ~kAvx512Targets : ~int64_t{0};
+  allowed = simd == Simd::kScalar ? kBaseline : simd == Simd::kAvx2 ? ~kAvx512Targets : ~int64_t{0};
   // Not hwy::DisableTargets, because any call of hwy::SupportedTargets chooses all targets again.
   hwy::GetChosenTarget().Update(Detected() & allowed);
   return absl::OkStatus();

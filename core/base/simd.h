@@ -12,8 +12,9 @@
 
 namespace latvox {
 
-// kScalar is plain C++, the reference for tests of the kernels. kBest is the widest instruction set of the machine. On
-// processors other than x86-64 (NEON, for example) it is the only kernel.
+// kScalar is plain C++, the reference for tests of the kernels. Kernels without a plain version use the vectors that
+// each processor has, SSE2 for example. kBest is the widest instruction set of the machine. On processors other than
+// x86-64 (NEON, for example) it is the only kernel.
 enum class Simd { kScalar, kAvx2, kAvx512, kBest };
 
 inline constexpr std::array<std::pair<Simd, std::string_view>, 4> kSimdNames{
@@ -26,7 +27,7 @@ std::optional<Simd> SimdNamed(std::string_view name);
 // FAILED_PRECONDITION if this processor lacks the instructions.
 absl::Status ForceSimd(Simd simd);
 
-// Returns whether ForceSimd has chosen plain C++.
+// Returns whether kernels are plain C++: by ForceSimd, or because the processor has no wide vectors.
 bool SimdIsScalar();
 
 // The name of the kernels in use: "scalar", "avx2", "avx512", or, where the processor has none of these, Highway's
