@@ -34,7 +34,7 @@ NAMES = {
     "libzstd": ("zstd", "zstd", "zstd"),
     "meshoptimizer": ("meshoptimizer", "meshoptimizer", "meshoptimizer"),
     "nlohmann_json": ("nlohmann-json", "nlohmann_json", "nlohmann-json"),
-    "OpenSSL": ("openssl", "openssl", "openssl@3"),
+    "OpenSSL": ("openssl", "openssl", "openssl@4"),
     "OpenVDB": ("openvdb", "openvdb", "openvdb"),
     "PNG": ("libpng", "libpng", "libpng"),
     "prometheus-cpp": ("prometheus-cpp", "prometheus-cpp", "prometheus-cpp"),
@@ -44,8 +44,10 @@ NAMES = {
     "spdlog": ("spdlog", "spdlog", "spdlog"),
     "TBB": ("tbb", "tbb-devel", "tbb"),
     "tomlplusplus": ("tomlplusplus", "tomlplusplus", "tomlplusplus"),
-    "ZLIB": ("zlib", "zlib", "zlib"),
+    "ZLIB": ("zlib", "zlib", "zlib-ng-compat"),
 }
+# Packages of conda-forge without run_exports: what is built with them must ask for them by itself.
+WITHOUT_RUN_EXPORTS = {"draco", "meshoptimizer"}
 UNNAMED = {"tomlplusplus"}  # a header that no CMake file looks for
 SEARCH = re.compile(
     r"^\s*(?:find_package\(([\w-]+)|pkg_check_modules\(\w+ (?:REQUIRED )?(?:IMPORTED_TARGET )?(?:REQUIRED )?([\w-]+)|pkg_search_module\(\w+ REQUIRED ([\w-]+)"
@@ -116,6 +118,7 @@ class Recipes(unittest.TestCase):
         self.assertEqual((recipe["context"]["version"], recipe["about"]["license"]), (VERSION, "Apache-2.0"))
         self.assertEqual((FOLDER / "conda" / recipe["source"]["path"]).resolve(), ROOT)
         self.assertEqual(set(recipe["requirements"]["host"]), named(sdk(), CONDA))
+        self.assertEqual(set(recipe["requirements"]["run"]), WITHOUT_RUN_EXPORTS & named(sdk(), CONDA))
         self.assert_options_exist(re.findall(r"-D\S+", " ".join(recipe["build"]["script"])))
         (test,) = [each for each in recipe["tests"] if "script" in each]
         (examples,) = test["files"]["source"]

@@ -25,7 +25,8 @@ class Latvox < Formula
   depends_on "libzip"
   depends_on :linux
   depends_on "meshoptimizer"
-  depends_on "openssl@3"
+  # This version and this zlib are those that grpc and libzip link, and two of one library in a program clash.
+  depends_on "openssl@4"
   depends_on "openvdb"
   depends_on "prometheus-cpp"
   depends_on "protobuf"
@@ -34,7 +35,7 @@ class Latvox < Formula
   depends_on "tbb"
   depends_on "webp"
   depends_on "xxhash"
-  depends_on "zlib"
+  depends_on "zlib-ng-compat"
   depends_on "zstd"
 
   def install
