@@ -272,13 +272,13 @@ class Installed(InRoot):
 
     def test_the_service_under_systemd(self):
         with self.root.systemd():
-            for step in (self.it_starts_with_the_first_client, self.it_serves, self.it_reloads, self.it_drains,
-                         self.it_is_watched, self.it_has_a_folder_for_a_socket, self.it_waits_for_its_address, self.it_has_credentials):  # fmt: skip
+            for step in (self.it_starts_with_the_first_client, self.it_ends_a_loop_of_starts, self.it_serves, self.it_reloads,
+                         self.it_drains, self.it_is_watched, self.it_has_a_folder_for_a_socket, self.it_waits_for_its_address, self.it_has_credentials):  # fmt: skip
                 with self.subTest(step.__name__):
                     step()
 
-    def show(self, name):
-        return self.root.run("systemctl", "show", "--value", f"--property={name}", "latvoxd").stdout.strip()
+    def show(self, name, unit="latvoxd"):
+        return self.root.run("systemctl", "show", "--value", f"--property={name}", unit).stdout.strip()
 
     def journal(self):
         return self.root.run("journalctl", "--no-pager", "--unit=latvoxd").stdout
@@ -288,7 +288,8 @@ class Installed(InRoot):
         folder.mkdir(exist_ok=True)
         (folder / name).write_text(text)
         self.addCleanup((folder / name).unlink, missing_ok=True)
-        self.root.shell(f"systemctl daemon-reload; systemctl restart {' '.join(how)} latvoxd")
+        # These starts follow each other faster than systemd lets anybody start the service.
+        self.root.shell(f"systemctl daemon-reload; systemctl reset-failed; systemctl restart {' '.join(how)} latvoxd")
 
     def it_starts_with_the_first_client(self):
         """Its socket outlives it, so no client finds nobody. `latvoxd.toml` has the same address, so there is no warning."""
@@ -306,6 +307,19 @@ class Installed(InRoot):
         self.root.run("systemctl", "stop", "latvoxd.socket", "latvoxd")
         self.assertEqual(self.show("Result"), "success")
         self.assertNotEqual(self.root.run(*ask, "--timeout", "2", check=False).returncode, 0)
+
+    def it_ends_a_loop_of_starts(self):
+        """A client waits at the socket, and the configuration is wrong until somebody corrects it."""
+        self.drop_in("wrong.conf", "[Service]\nEnvironment=LATVOX_MAX_JOBS=wrong\n", "--no-block")
+        await_true("it does not end", lambda: self.show("ExecMainStatus") == "2", 30)
+        self.root.run("systemctl", "start", "latvoxd.socket")
+        ask = ["latvox", "limits", "--server", ADDRESS]
+        self.assertNotEqual(self.root.run(*ask, "--timeout", "30", check=False).returncode, 0)
+        await_true("the loop goes on", lambda: self.show("Result", "latvoxd.socket") == "service-start-limit-hit", 30)
+        (self.root.path / "etc/systemd/system/latvoxd.service.d/wrong.conf").unlink()
+        self.root.shell("systemctl daemon-reload; sleep 10; systemctl restart latvoxd.socket")
+        self.assertIn("max_jobs", self.root.run(*ask).stdout)
+        self.root.shell("systemctl stop latvoxd.socket latvoxd; systemctl reset-failed")
 
     def it_serves(self):
         self.root.run("systemctl", "start", "latvoxd")

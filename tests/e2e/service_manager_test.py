@@ -2,6 +2,7 @@
 
 import os
 import pathlib
+import re
 import signal
 import socket
 import subprocess
@@ -9,6 +10,19 @@ import unittest
 import uuid
 
 from harness import BIN, PATIENCE, Case, await_log
+
+
+UNIT = pathlib.Path(__file__).resolve().parents[2] / "deploy/packaging/latvoxd.service.in"
+
+
+class Unit(unittest.TestCase):
+    def test_restarts_go_on_but_a_socket_starts_no_loop(self):
+        """packages_test.py sees both under systemd."""
+        text = UNIT.read_text()
+        interval, burst, pause = (int(re.search(rf"^{name}=(\d+)$", text, re.M)[1])
+                                  for name in ("StartLimitIntervalSec", "StartLimitBurst", "RestartSec"))  # fmt: skip
+        self.assertGreater(burst * pause, interval, "restarts would reach the limit")
+        self.assertGreater(interval, burst, "starts that take a second each would not reach it")
 
 
 class ServiceManager(Case):
