@@ -28,7 +28,7 @@ FILES = {
     "build/arm64/package/usr/share/man/man1/latvox.1": "the manual, which no image has",
 }  # fmt: skip
 PROGRAMS = {
-    "deploy/sbom": 'basename --multiple "$LATVOX_ARM64_ROOT" "$DPKG_ADMINDIR" "$@"; echo pkg:deb/debian/small@1',
+    "deploy/sbom": 'basename --multiple "$LATVOX_ARM64_ROOT" "$DPKG_ADMINDIR" "$@"; echo \'"licenseComments": "a; see /usr/share/doc/small/copyright"\'',
     "programs/qemu-aarch64": 'printf "\\tlibsmall.so.1 => %s (0x1)\\n\\t(0x2)\\n" "$FOUND"',
 }
 
@@ -73,7 +73,8 @@ class Image(unittest.TestCase):
             "usr/share/doc/latvox/LICENSE", "usr/share/doc/latvox/sbom.spdx.json", "etc/latvox/latvoxd.toml",
             "etc/ssl/certs/ca-certificates.crt"})  # fmt: skip
         self.assertEqual(certificates, b"a certificate\nanother one\n")
-        self.assertEqual(told, ["root", "dpkg", "latvoxd", "latvox", "latvox-vdb.so", "liblate.so.1", "pkg:deb/debian/small@1"])
+        self.assertEqual(told, ["root", "dpkg", "latvoxd", "latvox", "latvox-vdb.so", "liblate.so.1",
+                                '"licenseComments": "a; see /usr/share/doc/small/copyright"'])
         self.assertEqual({member.mtime for member in members.values()}, {0})
         self.assertEqual((members["./data"].uid, members["./tmp"].mode), (65532, 0o1777))
         self.assertEqual({member.uid for name, member in members.items() if name != "./data"}, {0})
