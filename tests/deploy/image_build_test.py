@@ -3,6 +3,7 @@ change."""
 
 import gzip
 import pathlib
+import re
 import shutil
 import tarfile
 import unittest
@@ -71,8 +72,14 @@ class ImageBuild(unittest.TestCase):
         licenses = {name for name in others if name.startswith("usr/share/doc/")} - {materials}
         self.assertLessEqual({f"usr/share/doc/{name}" for name in ("latvox/LICENSE", "openvdb/copyright", "libgrpc29/copyright", "libhdf5-103-1/copyright", "libcli11-dev/copyright")}, licenses)
         self.assertEqual([name for name in licenses if not name.endswith(("/LICENSE", "/copyright"))], [])
+        common = {name for name in others if name.startswith("usr/share/common-licenses/")}
+        with tarfile.open(tar) as files:
+            for name in licenses:
+                told = files.extractfile(name).read().decode(errors="replace")
+                for text in re.findall(r"/(usr/share/common-licenses/\w+(?:-[\d.]*\d)?)", told):
+                    self.assertIn(pathlib.PurePath(text), members, f"{name} refers to it")
         self.assertEqual(
-            sorted(name for name in others if ".so" not in name and name not in licenses | {materials}),
+            sorted(name for name in others if ".so" not in name and name not in licenses | common | {materials}),
             ["etc/latvox/latvoxd.toml", "etc/ssl/certs/ca-certificates.crt", "usr/bin/latvox", "usr/bin/latvoxd"],
         )
         self.assertGreater(members[pathlib.PurePath("etc/ssl/certs/ca-certificates.crt")].size, 100_000)
