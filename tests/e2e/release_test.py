@@ -23,6 +23,8 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 BUF = ROOT / "tests/node/node_modules/.bin/buf"
 PROTOCOL = "proto/latvox/v1/voxelizer.proto"
 RELEASED = "proto/released/latvox/v1/voxelizer.proto"
+OWN_RELEASE = platform.freedesktop_os_release()["VERSION_CODENAME"]
+OTHER_RELEASE = "trixie" if OWN_RELEASE == "bookworm" else "bookworm"
 # Stubs: path in the repository or in PATH -> script.
 STUBS = {
     "deploy/install-packages": "",
@@ -68,7 +70,7 @@ class Release(unittest.TestCase):
         """Commits everything, with a version and a section of the change log."""
         (self.repository / "CMakeLists.txt").write_text(f"project(latvox VERSION {version} LANGUAGES CXX)\n")
         heading = heading or f"## {version}, 2030-01-31"
-        (self.repository / "deploy/CHANGELOG.md").write_text(f"# Change log\n\n{heading}\n\nText.\n\n## 0.0.1, 2029-01-31\n")
+        (self.repository / "deploy/CHANGELOG.md").write_text(f"# Change log\n\n{heading}\n\nText.\n")
         self.git("add", ".")
         self.git("commit", "--quiet", "--message", version)
 
@@ -114,17 +116,20 @@ class Release(unittest.TestCase):
         text = self.made("0.1.0")
         folder = self.repository / "build/releases/0.1.0"
         names = {"latvox-0.1.0.tar.gz", "latvox-0.1.0-docs.tar.gz", "latvox-0.1.0-bookworm.spdx.json", "latvox-0.1.0-trixie.spdx.json", "latvox-gateway-0.1.0.spdx.json",
-                 "latvox-0.1.0.abi.tar.gz", "latvox-0.1.0-image.tar.gz", "latvox-0.1.0-image-arm64.tar.gz", "latvox_own.deb", "latvox_arm64.deb", f"latvox-0-linux-{platform.machine()}.tar.gz"}  # fmt: skip
+                 "latvox-0.1.0.abi.tar.gz", "latvox-0.1.0-image.tar.gz", "latvox-0.1.0-image-arm64.tar.gz", f"latvox-0-linux-{platform.machine()}.tar.gz"}  # fmt: skip
+        names |= {f"{OWN_RELEASE}-amd64/latvox_own.deb", f"{OTHER_RELEASE}-amd64/latvox_{OTHER_RELEASE}.deb", f"{OWN_RELEASE}-arm64/latvox_arm64.deb"}
         sums = dict(reversed(line.split("  ")) for line in (folder / "SHA256SUMS").read_text().splitlines())
-        self.assertLessEqual(names, sums.keys())
-        self.assertEqual({path.name for path in folder.iterdir()} - {"SHA256SUMS"}, sums.keys())
+        self.assertEqual(sums.keys(), names)
+        self.assertEqual({str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file()} - {"SHA256SUMS"}, names)
+        for path in folder.iterdir():
+            self.assertLessEqual(len(list(path.glob("latvox_*.deb"))), 1, "a pattern of the pages takes packages of two systems")
         for name, sum in sums.items():
             self.assertEqual(hashlib.sha256((folder / name).read_bytes()).hexdigest(), sum)
         with tarfile.open(folder / "latvox-0.1.0.tar.gz") as tarball:
             self.assertIn("latvox-0.1.0/CMakeLists.txt", tarball.getnames())
         for release in "bookworm", "trixie":
             self.assertIn("latvox-vdb.so client/python/latvox/_latvox.*.so libcurl.so.4", (folder / f"latvox-0.1.0-{release}.spdx.json").read_text())
-        for told in ("no release before this one", "no ABI of a last release", "whose maintainer is a <a@localhost>", "git tag -s v0.1.0"):
+        for told in ("0.1.0 is the first release", "no release before this one", "no ABI of a last release", "whose maintainer is a <a@localhost>", "git tag -s v0.1.0"):
             self.assertIn(told, text)
 
     def test_a_fresh_machine_gets_its_programs_first(self):
@@ -222,6 +227,19 @@ class Release(unittest.TestCase):
         self.prepare("0.9.0")
         self.refused("0.9.0 is below 0.10.0, the last release", "0.9.0")
 
+    def test_a_clone_without_the_last_release_is_refused(self):
+        self.prepare("0.0.9")
+        self.git("tag", "v0.0.9")
+        self.prepare("0.1.0")
+        (self.repository / "deploy/CHANGELOG.md").write_text("## 0.1.0, 2030-01-31\n\n## 0.0.9, 2029-01-31\n\n## 0.0.8, 2028-01-31\n")
+        self.git("commit", "--quiet", "--all", "--message", "log")
+        self.assertNotIn("first release", self.made("0.1.0"))
+        whole = self.repository
+        for words, why in (("--depth=1", "this clone is shallow"), ("--no-tags", "deploy/CHANGELOG.md has the release 0.0.9, and this clone lacks its tag")):
+            self.repository = self.dir / words
+            subprocess.run(["git", "clone", "--quiet", words, f"file://{whole}", self.repository], check=True)
+            self.refused(why, "0.1.0")
+
     def test_a_protocol_that_was_not_copied_is_refused(self):
         self.replace(PROTOCOL, "  bool verify = 8;", "  bool verify = 8;\n\n  // For this test.\n  bool another = 99;")
         self.prepare("0.1.0")
@@ -249,6 +267,28 @@ class Release(unittest.TestCase):
         self.refused("--last-abi: there is no file none", "0.1.1", "--last-abi", "none")
         self.refused("liblatvox: the ABI may break programs of 0.1.0", "0.1.1", "--last-abi", dump, abi="another")
         self.assertIn("liblatvox: programs of 0.1.0 go on working", self.made("0.1.1", "--last-abi", dump))
+
+    @unittest.skipIf(shutil.which("abidw") is None, "abigail-tools is not installed; deploy/install-packages test")
+    def test_the_real_abidiff_finds_a_function_that_vanishes(self):
+        for name in "abidw", "abidiff":
+            (self.dir / "bin" / name).unlink()
+        compiled = "mkdir -p build/abi/client; g++ -g -shared -fPIC -I client/include -o build/abi/client/liblatvox.so client/a.cc"
+        self.stub("cmake", compiled)
+        (self.repository / "client/include").mkdir(parents=True)
+
+        def prepare(version, *functions):
+            (self.repository / "client/include/a.h").write_text("".join(f"int {name}(int);\n" for name in functions))
+            (self.repository / "client/a.cc").write_text('#include "a.h"\n' + "".join(f"int {name}(int n) {{ return n; }}\n" for name in functions))
+            self.prepare(version)
+
+        prepare("0.1.0", "one", "two")
+        self.made("0.1.0", "--without-image")
+        dump = shutil.copy(self.repository / "build/releases/0.1.0/latvox-0.1.0.abi.tar.gz", self.dir)
+        self.git("tag", "v0.1.0")
+        prepare("0.1.1", "one")
+        self.refused("liblatvox: the ABI may break programs of 0.1.0", "0.1.1", "--last-abi", dump, "--without-image")
+        prepare("0.1.1", "one", "two", "three")
+        self.assertIn("liblatvox: programs of 0.1.0 go on working", self.made("0.1.1", "--last-abi", dump, "--without-image"))
 
     def test_the_abi_is_that_of_one_debian_release_on_each_machine(self):
         """The programs that dump it are installed there, too."""
