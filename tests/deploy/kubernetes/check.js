@@ -34,5 +34,5 @@ export const settings = (text) => withFiles((run, directory) => {
   for (const [inside, file] of Object.entries(files)) text = text.replaceAll(`/run/secrets/latvox/${inside}`, file);
   writeFileSync(path.join(directory, 'latvoxd.toml'), text);
   const told = run(path.join(process.env.LATVOX_BIN, 'latvoxd'), '--check-config', '--config', 'latvoxd.toml');
-  return Object.fromEntries([...told.matchAll(/^(\S+) = (.*?) +# file /gm)].map(([, name, value]) => [name, value.replace(/[[\]"]/g, '')]));
+  return Object.fromEntries([...told.matchAll(/^(\S+) = (.*?) +# file /gm)].map(([, name, value]) => [name, value.replace(/^(\["|")|("\]|")$/g, '')]));
 });

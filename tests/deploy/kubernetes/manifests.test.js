@@ -59,9 +59,9 @@ test('service: latvoxd takes its configuration, which has the ports and the time
   const found = settings(text);
   assert.equal(Object.keys(found).length, text.match(/^[a-z-]+ = /gm).length, 'every line of it counts');
   const { terminationGracePeriodSeconds, containers: [container] } = find(objects, 'Deployment').spec.template.spec;
-  const ports = Object.fromEntries(container.ports.map(({ name, containerPort }) => [name, `0.0.0.0:${containerPort}`]));
-  assert.deepEqual(ports, { health: found['health-listen'], metrics: found['metrics-listen'] });
-  assert.equal(container.readinessProbe.grpc.port, Number(found['health-listen'].split(':')[1]), 'probes know no TLS');
+  const ports = Object.fromEntries(container.ports.map(({ name, containerPort }) => [name, String(containerPort)]));
+  assert.deepEqual({ health: found['health-listen'], metrics: found['metrics-listen'] }, { health: `[::]:${ports.health}`, metrics: `0.0.0.0:${ports.metrics}` });
+  assert.equal(container.readinessProbe.grpc.port, Number(ports.health), 'probes know no TLS');
   const lastResort = 15;  // seconds that latvoxd may take after --grace
   assert.ok(terminationGracePeriodSeconds >= Number(found.grace) + container.lifecycle.preStop.sleep.seconds + lastResort);
 });
@@ -72,19 +72,21 @@ test('direct-tls: latvoxd takes its configuration, which is that behind haproxy,
   assert.deepEqual([certificate, key], ['certificate.pem', 'key.pem']);
   const { 'behind-proxy': proxied, ...behind } = settings(named(load('service'), 'ConfigMap', 'latvoxd').data['latvoxd.toml']);
   assert.equal(proxied, 'true');
-  assert.deepEqual(rest, { ...behind, listen: '0.0.0.0:50151' });
+  assert.deepEqual(rest, { ...behind, listen: '[::]:50151' });
 });
 
 test('service: haproxy takes its configuration, serves its port, finds its files, and leads to latvoxd', () => {
   const objects = load('service');
   const text = named(objects, 'ConfigMap', 'haproxy').data['haproxy.cfg'];
   const { terminationGracePeriodSeconds, containers: [, container], volumes } = find(objects, 'Deployment').spec.template.spec;
-  const [, port, file] = text.match(/bind :(\d+) ssl crt (\S+) /);
+  const [, port, file] = text.match(/bind :::(\d+) v4v6 ssl crt (\S+) /);
   assert.equal(Number(port), container.ports[0].containerPort);
   const { name } = container.volumeMounts.find(({ mountPath }) => mountPath === path.dirname(file));
   const keys = volumes.find((volume) => volume.name === name).secret.items.map((item) => item.path);
   assert.deepEqual(keys, [path.basename(file), `${path.basename(file)}.key`]);
-  assert.equal(text.match(/server latvoxd (\S+) /)[1], settings(named(objects, 'ConfigMap', 'latvoxd').data['latvoxd.toml']).listen);
+  const found = settings(named(objects, 'ConfigMap', 'latvoxd').data['latvoxd.toml']), metrics = found['metrics-listen'].split(':')[1];
+  assert.equal(text.match(/server latvoxd (\S+) /)[1], found.listen);
+  assert.match(text, new RegExp(`bind :::${metrics} v6only\\n.*\\nbackend metrics\\n    server latvoxd 127\\.0\\.0\\.1:${metrics}\\n`));
   assert.ok(terminationGracePeriodSeconds >= Number(text.match(/hard-stop-after (\d+)s/)[1]) + container.lifecycle.preStop.sleep.seconds);
   withFiles((run, directory) => {
     run('cp', 'certificate.pem', 'server.pem');
@@ -98,6 +100,7 @@ test('gateway: it takes its options, and calls the pods of the overlay service b
   const deployment = find(load('gateway'), 'Deployment'), { terminationGracePeriodSeconds, containers: [container] } = deployment.spec.template.spec;
   const words = container.command.slice(1).map((word) => (word.startsWith('/run/') ? 'certificate.pem' : word));
   const { listen, upstream, grace, 'metrics-listen': metrics } = readOptions(words, {});
+  assert.deepEqual([listen.host, metrics.host], ['::', '::'], 'IPv6 and IPv4');
   const ports = Object.fromEntries(container.ports.map(({ name, containerPort }) => [name, containerPort]));
   assert.deepEqual(ports, { https: listen.port, metrics: metrics.port });
   const service = find(load('service'), 'Service');
