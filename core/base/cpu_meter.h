@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <ctime>
 #include <mutex>
+#include <utility>
 #include <vector>
 
 namespace latvox {
@@ -18,18 +19,29 @@ class CpuMeter {
   // more: a thread that waits may take up a task with a scope of its own.
   class Scope {
    public:
-    explicit Scope(CpuMeter& meter) : meter_(meter), clock_(ClockOfThread()), is_outer_(meter_.Begin(clock_)) {}
+    explicit Scope(CpuMeter& meter) : Scope(&meter) {}
+    // Null counts nothing.
+    explicit Scope(CpuMeter* meter)
+        : meter_(meter),
+          outer_(std::exchange(of_thread, meter)),
+          clock_(ClockOfThread()),
+          counts_(meter != nullptr && meter->Begin(clock_)) {}
     ~Scope() {
-      if (is_outer_) meter_.End(clock_);
+      if (counts_) meter_->End(clock_);
+      of_thread = outer_;
     }
     Scope(const Scope&) = delete;
     Scope& operator=(const Scope&) = delete;
 
    private:
-    CpuMeter& meter_;
+    CpuMeter* const meter_;
+    CpuMeter* const outer_;
     const clockid_t clock_;
-    const bool is_outer_;
+    const bool counts_;
   };
+
+  // The meter of the innermost scope of this thread; null: there is none.
+  static CpuMeter* OfThread() { return of_thread; }
 
   // Includes the scopes that have begun.
   double Seconds() const {
@@ -74,6 +86,8 @@ class CpuMeter {
     *mine = running_.back();
     running_.pop_back();
   }
+
+  static inline thread_local CpuMeter* of_thread = nullptr;
 
   mutable std::mutex mutex_;
   double ended_ = 0;              // seconds; guarded by mutex_, as is the next

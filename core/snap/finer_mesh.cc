@@ -1,7 +1,6 @@
 #include "core/snap/finer_mesh.h"
 
 #include <oneapi/tbb/blocked_range.h>
-#include <oneapi/tbb/parallel_for.h>
 
 #include <algorithm>
 #include <limits>
@@ -10,6 +9,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "core/base/metered.h"
 #include "core/base/status_payload.h"
 
 namespace latvox {
@@ -52,15 +52,14 @@ absl::StatusOr<FinerMesh> MakeFinerMesh(const SnappedMesh& mesh, int32_t n, cons
     finer.mesh.box.max[m] = static_cast<int32_t>((int64_t{high[m]} * n + move[m]) / kLatticeUnit + 1);
   }
   PaddedVector<Vec3i> vertices_lat(mesh.vertices_lat.size());
-  oneapi::tbb::parallel_for(
-      oneapi::tbb::blocked_range<size_t>(0, vertices_lat.size(), kGrain), [&](const auto& numbers) {
-        if (stop.Stopped()) return;
-        for (size_t v = numbers.begin(); v < numbers.end(); ++v) {
-          for (size_t m = 0; m < 3; ++m) {
-            vertices_lat[v][m] = static_cast<int32_t>(int64_t{mesh.vertices_lat[v][m]} * n + move[m]);
-          }
-        }
-      });
+  MeteredFor(oneapi::tbb::blocked_range<size_t>(0, vertices_lat.size(), kGrain), [&](const auto& numbers) {
+    if (stop.Stopped()) return;
+    for (size_t v = numbers.begin(); v < numbers.end(); ++v) {
+      for (size_t m = 0; m < 3; ++m) {
+        vertices_lat[v][m] = static_cast<int32_t>(int64_t{mesh.vertices_lat[v][m]} * n + move[m]);
+      }
+    }
+  });
   finer.mesh.vertices_lat = std::move(vertices_lat);
   return finer;
 }

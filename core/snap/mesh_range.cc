@@ -1,7 +1,6 @@
 #include "core/snap/mesh_range.h"
 
 #include <oneapi/tbb/blocked_range.h>
-#include <oneapi/tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
@@ -14,6 +13,8 @@
 #include <span>
 #include <vector>
 
+#include "core/base/metered.h"
+
 namespace latvox {
 namespace {
 
@@ -24,7 +25,7 @@ constexpr size_t kGrain = 4096;  // vertices or triangles for each task
 // 1 for each vertex that a triangle uses, else 0.
 std::vector<uint8_t> UsedVertices(const TriangleMesh& mesh, StopSignal stop) {
   std::vector<uint8_t> used(mesh.vertex_count());
-  oneapi::tbb::parallel_for(Part(0, mesh.triangles.size(), kGrain), [&](const Part& part) {
+  MeteredFor(Part(0, mesh.triangles.size(), kGrain), [&](const Part& part) {
     if (stop.Stopped()) return;
     // Bytes may alias anything, pointers to them included, so these are copies. The marks are not read first, because
     // it is hard to predict whether one is set already.
@@ -45,7 +46,7 @@ class BlockRanges {
   BlockRanges(const PaddedVector<Vertex>& vertices, const LatticeMap& map, const std::vector<uint8_t>& used,
               StopSignal stop)
       : vertices_(vertices), map_(map), ranges_((vertices.size() + kBlock - 1) / kBlock) {
-    oneapi::tbb::parallel_for(Part(0, ranges_.size(), kGrain / kBlock), [&](const Part& part) {
+    MeteredFor(Part(0, ranges_.size(), kGrain / kBlock), [&](const Part& part) {
       for (size_t b = part.begin(); b < part.end() && !stop.Stopped(); ++b) ranges_[b] = RangeOfBlock(b * kBlock, used);
     });
     for (const LatticeRange& range : ranges_) all_.Add(range);

@@ -1,11 +1,11 @@
 #include "core/snap/snap.h"
 
 #include <oneapi/tbb/blocked_range.h>
-#include <oneapi/tbb/parallel_for.h>
 
 #include <cmath>
 #include <utility>
 
+#include "core/base/metered.h"
 #include "core/snap/lattice_map.h"
 #include "core/snap/mesh_range.h"
 #include "core/snap/range_check.h"
@@ -52,7 +52,7 @@ absl::StatusOr<Rounding> RoundingOf(const TriangleMesh& mesh, const Lattice& lat
 //   out   may be the own memory of float vertices
 template <class Vertex>
 void Round(const Rounding& rounding, const PaddedVector<Vertex>& vertices, Vec3i* out, StopSignal stop) {
-  oneapi::tbb::parallel_for(Part(0, vertices.size(), kGrain), [&](const Part& part) {
+  MeteredFor(Part(0, vertices.size(), kGrain), [&](const Part& part) {
     if (stop.Stopped()) return;
     RoundVertices(rounding.map, rounding.range, rounding.base_ijk, &vertices[part.begin()], part.size(),
                   out + part.begin());

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/metered.h"
 #include "core/solid/axis_crossing.h"
 
 #define XXH_INLINE_ALL
@@ -92,6 +93,7 @@ class LineCount {
   }
 
   uint64_t CountLines(const Square& square, std::span<const uint32_t> triangles) const {
+    const CpuMeter::Scope scope(meter_);
     std::array<int32_t, size_t{kTileSide} * kTileSide> sums{};
     for (const uint32_t t : triangles) {
       if (stop_.Stopped()) return 0;
@@ -107,6 +109,7 @@ class LineCount {
   const SnappedMesh& mesh_;
   const InteriorRule rule_;
   StopSignal stop_;
+  CpuMeter* const meter_ = CpuMeter::OfThread();
 };
 
 }  // namespace
@@ -117,7 +120,7 @@ std::string WithoutOrientation(bool closed, InteriorRule rule) {
 
 bool IsOriented(const SnappedMesh& mesh, StopSignal stop) {
   constexpr size_t kGrain = 4096;  // triangles for each task
-  const EdgeSum sum = oneapi::tbb::parallel_reduce(
+  const EdgeSum sum = MeteredReduce(
       Part(0, mesh.triangles.size(), kGrain), EdgeSum{},
       [&](const Part& part, EdgeSum so_far) {
         for (size_t t = part.begin(); t < part.end() && !stop.Stopped(); ++t) so_far.Add(mesh.TriangleAt(t));

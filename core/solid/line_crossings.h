@@ -3,7 +3,6 @@
 #define LATVOX_CORE_SOLID_LINE_CROSSINGS_H_
 
 #include <oneapi/tbb/blocked_range.h>
-#include <oneapi/tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cstdint>
@@ -12,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/metered.h"
 #include "core/base/sort.h"
 #include "core/base/stop_signal.h"
 #include "core/base/uninitialized.h"
@@ -104,7 +104,7 @@ LineCrossings<Crossing> SortedLineCrossings(std::vector<CrossingList<Crossing>>&
     if (stop.Stopped()) return {};
     part = {};
   }
-  oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<size_t>(0, LineCrossing::kSlabs), [&](const auto& slabs) {
+  MeteredFor(oneapi::tbb::blocked_range<size_t>(0, LineCrossing::kSlabs), [&](const auto& slabs) {
     for (size_t n = slabs.begin(); n < slabs.end() && !stop.Stopped(); ++n) {
       const size_t begin = n == 0 ? 0 : next[n - 1];
       Sort(std::span(all).subspan(begin, next[n] - begin), stop);
@@ -126,7 +126,7 @@ auto FindLineCrossings(const SnappedMesh& mesh, const IndexBox& region, StopSign
   constexpr int32_t kRows = 64;  // of lines, between polls of the stop signal
   const size_t count = mesh.triangles.size();
   std::vector<CrossingList<Crossing>> parts((count + kChunk - 1) / kChunk);
-  oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<size_t>(0, parts.size()), [&](const auto& numbers) {
+  MeteredFor(oneapi::tbb::blocked_range<size_t>(0, parts.size()), [&](const auto& numbers) {
     for (size_t n = numbers.begin(); n < numbers.end(); ++n) {
       for (size_t t = n * kChunk; t < std::min(count, (n + 1) * kChunk); ++t) {
         const Triangle triangle = mesh.TriangleAt(t);

@@ -2,12 +2,12 @@
 
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/enumerable_thread_specific.h>
-#include <oneapi/tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
 #include <tuple>
 
+#include "core/base/metered.h"
 #include "core/base/sort.h"
 #include "core/thesis/brute_force.h"
 #include "core/thesis/degenerate.h"
@@ -24,7 +24,7 @@ using oneapi::tbb::blocked_range;
 template <class Task>
 VoxelSet Collect(size_t count, const Vec3i& base_ijk, StopSignal stop, const Task& task) {
   oneapi::tbb::enumerable_thread_specific<VoxelSet> parts;
-  oneapi::tbb::parallel_for(blocked_range<size_t>(0, count), [&](const blocked_range<size_t>& range) {
+  MeteredFor(blocked_range<size_t>(0, count), [&](const blocked_range<size_t>& range) {
     VoxelSet& part = parts.local();
     const auto emit = [&](const Vec3i& local) { part.Insert(local + base_ijk); };
     for (size_t n = range.begin(); n < range.end() && !stop.Stopped(); ++n) task(n, emit);
@@ -126,7 +126,7 @@ VoxelSet Incremental(const SnappedMesh& snapped, const Neighborhood& neighborhoo
 std::vector<Vec3i> RoundedVertices(const SnappedMesh& mesh, const Lattice& lattice, StopSignal stop) {
   std::vector<Vec3i> rounded(mesh.vertices_lat.size());
   constexpr size_t kGrain = 1024;
-  oneapi::tbb::parallel_for(blocked_range<size_t>(0, rounded.size(), kGrain), [&](const blocked_range<size_t>& range) {
+  MeteredFor(blocked_range<size_t>(0, rounded.size(), kGrain), [&](const blocked_range<size_t>& range) {
     for (size_t n = range.begin(); n < range.end() && !stop.Stopped(); ++n) {
       rounded[n] = NearestLatticePoint(lattice, ToDouble(mesh.vertices_lat[n]) * (1.0 / kLatticeUnit));
     }

@@ -1,11 +1,11 @@
 #include "core/tiny/fine_pass.h"
 
 #include <oneapi/tbb/blocked_range.h>
-#include <oneapi/tbb/parallel_for.h>
 
 #include <algorithm>
 #include <memory>
 
+#include "core/base/metered.h"
 #include "core/base/simd.h"
 #include "core/tiny/line_forms.h"
 #include "core/tiny/tiny.h"
@@ -59,7 +59,7 @@ FineTriangles SortOut(const SnappedMesh& mesh, StopSignal stop, TileLinks& links
   const size_t count = mesh.triangles.size();
   const Vec3i origin = TinyCrossings::Origin(links);
   std::vector<Chunk> chunks((count + kChunk - 1) / kChunk);
-  oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<size_t>(0, chunks.size()), [&](const auto& numbers) {
+  MeteredFor(oneapi::tbb::blocked_range<size_t>(0, chunks.size()), [&](const auto& numbers) {
     auto find = make_find();
     ChunkPass pass(mesh, origin, find);
     for (size_t n = numbers.begin(); n < numbers.end() && !stop.Stopped(); ++n) {

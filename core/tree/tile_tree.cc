@@ -4,7 +4,6 @@
 #include "core/tree/tile_tree.h"
 
 #include <oneapi/tbb/blocked_range.h>
-#include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
@@ -15,6 +14,7 @@
 #include <numeric>
 #include <utility>
 
+#include "core/base/metered.h"
 #include "core/base/uninitialized.h"
 
 namespace latvox {
@@ -40,7 +40,7 @@ void ForEachOf(size_t count, const F& f) {
   if (count == 1) return f(0);
   // Without isolation, a waiting thread might begin other work of the caller's.
   oneapi::tbb::this_task_arena::isolate([&] {
-    oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<size_t>(0, count), [&](const auto& numbers) {
+    MeteredFor(oneapi::tbb::blocked_range<size_t>(0, count), [&](const auto& numbers) {
       for (size_t n = numbers.begin(); n < numbers.end(); ++n) f(n);
     });
   });

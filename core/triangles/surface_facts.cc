@@ -24,6 +24,7 @@
 #include <cstdint>
 #include <numeric>
 
+#include "core/base/metered.h"
 #include "core/triangles/corner_list-inl.h"
 #include "core/triangles/padded_vertices.h"
 
@@ -256,7 +257,6 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 
 #include <oneapi/tbb/blocked_range.h>
-#include <oneapi/tbb/parallel_reduce.h>
 
 #include "core/base/simd.h"
 
@@ -294,7 +294,7 @@ SurfaceFacts SurfaceSums::Facts() const {
 SurfaceFacts FactsOf(const SnappedMesh& mesh, StopSignal stop) {
   constexpr size_t kGrain = 4096;  // triangles for each task
   using Part = oneapi::tbb::blocked_range<size_t>;
-  const SurfaceSums sums = oneapi::tbb::parallel_reduce(
+  const SurfaceSums sums = MeteredReduce(
       Part(0, mesh.triangles.size(), kGrain), SurfaceSums{},
       [&](const Part& part, SurfaceSums s) {
         if (!stop.Stopped()) s.Add(mesh, part.begin(), part.size());

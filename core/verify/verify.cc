@@ -2,7 +2,6 @@
 
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/enumerable_thread_specific.h>
-#include <oneapi/tbb/parallel_for.h>
 
 #include <algorithm>
 #include <atomic>
@@ -13,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/metered.h"
 #include "core/base/sort.h"
 #include "core/digitize/crossing.h"
 
@@ -100,26 +100,25 @@ absl::StatusOr<Verdict> CountTunnels(const SnappedMesh& mesh, const std::vector<
 
   using oneapi::tbb::blocked_range;
   oneapi::tbb::enumerable_thread_specific<LinkList> found;
-  oneapi::tbb::parallel_for(
-      blocked_range<size_t>(0, mesh.triangles.size(), kGrain), [&](const blocked_range<size_t>& part) {
-        LinkList& uncovered = found.local();
-        for (size_t t = part.begin(); t < part.end() && !stop.Stopped(); ++t) {
-          if (repeated[t]) continue;
-          const Triangle triangle = mesh.TriangleAt(t);
-          size_t direction = 0;
-          const auto judge = [&](const Vec3i& nearer, const Vec3i& farther) {
-            const auto a = voxels.Find(nearer + mesh.base_ijk), b = voxels.Find(farther + mesh.base_ijk);
-            if (!a && !b) uncovered.Add(std::min(nearer, farther), direction, mesh.box);
-            if (a && b) return;
-            if (const auto only = a ? a : b) {
-              essential[*only >> 6].fetch_or(uint64_t{1} << (*only & 63), std::memory_order_relaxed);
-            }
-          };
-          for (; direction < frames.size(); ++direction) {
-            ForEachCrossing(triangle, frames[direction], kEverywhere, judge, stop);
-          }
+  MeteredFor(blocked_range<size_t>(0, mesh.triangles.size(), kGrain), [&](const blocked_range<size_t>& part) {
+    LinkList& uncovered = found.local();
+    for (size_t t = part.begin(); t < part.end() && !stop.Stopped(); ++t) {
+      if (repeated[t]) continue;
+      const Triangle triangle = mesh.TriangleAt(t);
+      size_t direction = 0;
+      const auto judge = [&](const Vec3i& nearer, const Vec3i& farther) {
+        const auto a = voxels.Find(nearer + mesh.base_ijk), b = voxels.Find(farther + mesh.base_ijk);
+        if (!a && !b) uncovered.Add(std::min(nearer, farther), direction, mesh.box);
+        if (a && b) return;
+        if (const auto only = a ? a : b) {
+          essential[*only >> 6].fetch_or(uint64_t{1} << (*only & 63), std::memory_order_relaxed);
         }
-      });
+      };
+      for (; direction < frames.size(); ++direction) {
+        ForEachCrossing(triangle, frames[direction], kEverywhere, judge, stop);
+      }
+    }
+  });
   LinkList uncovered;
   for (LinkList& some : found) uncovered.Add(std::move(some));
   const size_t tunnels = uncovered.Count(stop);  // triangles may cross the same link

@@ -1,7 +1,6 @@
 #include "core/voxelizer/estimate.h"
 
 #include <oneapi/tbb/blocked_range.h>
-#include <oneapi/tbb/parallel_reduce.h>
 
 #include <algorithm>
 #include <cmath>
@@ -10,6 +9,7 @@
 #include <numbers>
 #include <type_traits>
 
+#include "core/base/metered.h"
 #include "core/brick/brick.h"
 #include "core/snap/mesh_range.h"
 #include "core/snap/snap.h"
@@ -83,7 +83,7 @@ Value Reduce(const TriangleMesh& mesh, const Unit& unit, StopSignal stop, const 
   constexpr size_t kGrain = 16384;  // triangles for each task
   return VisitVertices(mesh, [&](const auto& vertices) {
     using Vertex = std::remove_cvref_t<decltype(vertices.front())>;
-    return oneapi::tbb::parallel_deterministic_reduce(
+    return MeteredReduce(
         Part(0, mesh.triangles.size(), kGrain), Value{},
         [&](const Part& part, Value value) {
           for (size_t t = part.begin(); t < part.end() && !stop.Stopped(); ++t) {

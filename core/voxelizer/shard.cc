@@ -1,7 +1,6 @@
 #include "core/voxelizer/shard.h"
 
 #include <oneapi/tbb/blocked_range.h>
-#include <oneapi/tbb/parallel_for.h>
 
 #include <algorithm>
 #include <atomic>
@@ -10,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/metered.h"
 #include "core/tree/tile_tree.h"
 
 namespace latvox {
@@ -171,7 +171,7 @@ TileSpan SpanOf(const Shard& shard, const SnappedMesh& mesh, const std::vector<F
   CellWeights weights(mesh, frames, region, bounds);
   constexpr size_t kGrain = 1024;  // triangles for each task
   using Part = oneapi::tbb::blocked_range<size_t>;
-  oneapi::tbb::parallel_for(Part(0, mesh.triangles.size(), kGrain), [&](const Part& part) {
+  MeteredFor(Part(0, mesh.triangles.size(), kGrain), [&](const Part& part) {
     if (!stop.Stopped()) weights.AddTriangles(part.begin(), part.end());
   });
   return weights.SpanOf(shard);

@@ -99,7 +99,8 @@ class VoxelizeJob {
   // other times have no effect. The thesis's algorithms go on. Any thread.
   virtual void Interrupt() {}
 
-  // The CPU time of all scans so far, and of the threads that led the other work of Advance and Verify. Any thread.
+  // The CPU time so far, of all threads. While a thread waits for others, it may begin work of another job, which
+  // counts for both. Any thread.
   virtual double CpuSeconds() const = 0;
 
   // Makes Advance and Verify return CANCELLED soon. Any thread, at any time.

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/cpu_meter.h"
 #include "core/block/scan_pool.h"
 #include "core/block/tile_context.h"
 #include "core/tree/tile_tree.h"
@@ -66,13 +67,19 @@ class WalkPass {
   void Visit(const TileNode& node, const Far& far, const Near& near) {
     if (context_.stop.Stopped()) return;
     if (node.triangles.empty() && !HasLinksNear(node)) return far(node.tile_ijk, node.level);
-    if (!tree_.IsLeaf(node)) return VisitAll(tree_.Children(node), far, near);
+    if (!tree_.IsLeaf(node)) return VisitAll(ChildrenOf(node), far, near);
+    const CpuMeter::Scope scope(meter_);
     std::unique_ptr<WalkScan> scan = scans_.Reserve();
     scan->walls.Scan(context_, plan_.close ? &*plan_.close : nullptr, node);
     for (int32_t n = 0; n < 1 << 3 * node.level && !context_.stop.Stopped(); ++n) {
       near(node.tile_ijk + Vec3i{n >> 2 & 1, n >> 1 & 1, n & 1}, *scan);
     }
     if (!context_.stop.Stopped()) scans_.Release(std::move(scan));
+  }
+
+  std::vector<TileNode> ChildrenOf(const TileNode& node) const {
+    const CpuMeter::Scope scope(meter_);
+    return tree_.Children(node);
   }
 
   // Whether the node or a node of its size beside it has links. A node's overlap reaches no farther.
@@ -82,6 +89,7 @@ class WalkPass {
   const WalkPlan& plan_;
   const TileTree& tree_;
   ScanPool<WalkScan>& scans_;
+  CpuMeter* const meter_ = CpuMeter::OfThread();  // counts for all threads
 };
 
 }  // namespace latvox
