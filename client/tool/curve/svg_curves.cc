@@ -50,9 +50,9 @@ class SvgReader {
       return absl::InvalidArgumentError(
           absl::StrCat("line ", LineAt(result.offset), ": is not XML (", result.description(), ")"));
     }
-    ResolveNames(document);
+    foreign_ = ResolveNames(document);
     const pugi::xml_node root = document.document_element();
-    if (NameOf(root) != "svg") {
+    if (NameOf(root) != "svg" || IsForeign(root)) {
       return Error(root, "is not svg, the root of a drawing, in the namespace ", kSvgNamespace, " or in none");
     }
     if (auto status = ApplyStyles(document, root); !status.ok()) return status;
@@ -67,6 +67,8 @@ class SvgReader {
 
  private:
   static absl::string_view NameOf(const pugi::xml_node& node) { return node.name(); }
+
+  bool IsForeign(const pugi::xml_node& node) const { return foreign_.contains(node.internal_object()); }
 
   size_t LineAt(std::ptrdiff_t offset) const {
     const auto end = std::clamp<std::ptrdiff_t>(offset, 0, static_cast<std::ptrdiff_t>(text_.size()));
@@ -184,7 +186,7 @@ class SvgReader {
 
   absl::Status ReadElement(const pugi::xml_node& node, Place place) {
     const absl::string_view name = NameOf(node);
-    if (absl::StrContains(name, ':') || std::ranges::find(kSilent, name) != std::end(kSilent) || IsHidden(node)) {
+    if (IsForeign(node) || std::ranges::find(kSilent, name) != std::end(kSilent) || IsHidden(node)) {
       return absl::OkStatus();
     }
     if (auto status = Enter(node, place); !status.ok()) return status;
@@ -321,6 +323,7 @@ class SvgReader {
   }
 
   const absl::string_view text_;
+  ForeignElements foreign_;
   absl::flat_hash_map<absl::string_view, pugi::xml_node> ids_;  // of the document
   std::vector<Outline> outlines_;
   size_t elements_ = 0, pieces_ = 0;  // so far

@@ -1,19 +1,23 @@
 #include "client/tool/curve/svg_entities.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <optional>
+#include <pugixml.hpp>
 #include <utility>
 
 #include "absl/container/flat_hash_map.h"
 #include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
+#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/strip.h"
 
 namespace latvox::client {
 namespace {
 
-constexpr int kDeepestEntity = 16;                        // of entities in entities
+constexpr int kDeepestEntity = 16;  // of entities in entities
+constexpr size_t kLongestName = 256;
 constexpr size_t kMostUses = 1'000'000;                   // also those in entities
 constexpr size_t kMostExpandedBytes = size_t{256} << 20;  // of the document, with its entities written out
 
@@ -34,6 +38,8 @@ class Expander {
   }
 
  private:
+  using Texts = absl::flat_hash_map<absl::string_view, std::optional<std::string>>;  // nullopt: in another file
+
   template <class... Parts>
   absl::Status Error(const Parts&... parts) const {
     const auto line = 1 + std::count(xml_.begin(), xml_.end() - static_cast<std::ptrdiff_t>(rest_.size()), '\n');
@@ -68,9 +74,7 @@ class Expander {
   // Goes to the end of the declarations between brackets.
   absl::Status ReadDeclarations() {
     for (SkipSpace(); !rest_.empty() && rest_[0] != ']'; SkipSpace()) {
-      if (rest_[0] == '%') {
-        return Error("a parameter entity, \"", rest_.substr(0, rest_.find(';')), ";\", is not read");
-      }
+      if (rest_[0] == '%') return Error("a parameter entity, \"", NameAt(rest_), ";\", is not read");
       if (SkipNote()) continue;
       if (absl::ConsumePrefix(&rest_, "<!ENTITY")) ReadEntity();
       SkipTo(">");
@@ -79,13 +83,16 @@ class Expander {
     return absl::OkStatus();
   }
 
-  // The first of several with a name counts.
+  // The first of several with a name counts. Readers of XML know five names by themselves.
   void ReadEntity() {
     SkipSpace();
     if (rest_.empty() || rest_[0] == '%') return;
     const absl::string_view name = Word();
     SkipSpace();
     if (name.empty() || rest_.empty()) return;
+    for (const char* known : {"lt", "gt", "amp", "quot", "apos"}) {
+      if (name == known) return;
+    }
     const char quote = rest_[0];
     if (quote != '"' && quote != '\'') {
       texts_.try_emplace(name, std::nullopt);
@@ -93,8 +100,31 @@ class Expander {
     }
     const size_t end = rest_.find(quote, 1);
     if (end == absl::string_view::npos) return;
-    texts_.try_emplace(name, rest_.substr(1, end - 1));
+    texts_.try_emplace(name, WithCharacters(rest_.substr(1, end - 1)));
     rest_.remove_prefix(end + 1);
+  }
+
+  // Replaces the numbers of characters, as the declaration of an entity does.
+  static std::string WithCharacters(absl::string_view text) {
+    std::string out;
+    for (size_t at; (at = text.find('&')) != absl::string_view::npos;) {
+      absl::StrAppend(&out, text.substr(0, at));
+      text.remove_prefix(at);
+      const absl::string_view name = NameAt(text);
+      uint32_t code = 0;
+      const bool is_hex = absl::StartsWith(name, "&#x");
+      const bool is_number =
+          absl::StartsWith(name, "&#") && text.substr(name.size(), 1) == ";" &&
+          (is_hex ? absl::SimpleHexAtoi(name.substr(3), &code) : absl::SimpleAtoi(name.substr(2), &code));
+      if (is_number && code > 0 && code <= 0x10FFFF) {
+        out += pugi::as_utf8(std::wstring(1, static_cast<wchar_t>(code)));
+        text.remove_prefix(name.size() + 1);
+      } else {
+        out += '&';
+        text.remove_prefix(1);
+      }
+    }
+    return absl::StrCat(out, text);
   }
 
   absl::string_view Word() {
@@ -106,48 +136,82 @@ class Expander {
     return from.substr(0, from.size() - rest_.size());
   }
 
-  // Appends a text with its entities written out. Comments and CDATA have none.
+  // Appends a text with its entities written out. Comments, CDATA and instructions have none.
   absl::Status Append(absl::string_view text, int depth) {
-    if (depth > kDeepestEntity)
+    if (depth > kDeepestEntity) {
       return Error("entities are nested ", depth, " levels deep; the limit is ", kDeepestEntity);
+    }
     while (!text.empty()) {
-      const size_t at = std::min(text.find_first_of("&<"), text.size());
-      if (depth == 0) rest_ = text.substr(at);  // for errors
-      const size_t end = EndOfMark(text.substr(at));
-      const auto found = texts_.find(text.substr(at, end).substr(std::min<size_t>(end, 1)));
-      if (text.substr(at, 1) != "&" || found == texts_.end()) {
-        absl::StrAppend(&out_, text.substr(0, at + end));
-        text.remove_prefix(at + end);
-      } else {
-        absl::StrAppend(&out_, text.substr(0, at));
-        text.remove_prefix(at + end + 1);  // and the semicolon
+      const size_t plain = std::min(text.find_first_of("&<>\"'\n"), text.size());
+      absl::StrAppend(&out_, text.substr(0, plain));
+      text.remove_prefix(plain);
+      if (depth == 0) rest_ = text;  // for errors
+      if (const auto found = FindEntity(text); found != texts_.end()) {
         if (!found->second) return Error("the text of \"&", found->first, ";\" is in another file, which is not read");
         if (++uses_ > kMostUses) return Error("exceeds the limit of ", kMostUses, " uses of entities");
         if (auto status = Append(*found->second, depth + 1); !status.ok()) return status;
+        text.remove_prefix(found->first.size() + 2);
+      } else if (!text.empty()) {
+        const size_t length = quote_ == '\0' ? LengthOfNote(text) : 1;
+        for (const char c : text.substr(0, length)) AppendCharacter(c, length == 1, depth);
+        text.remove_prefix(length);
       }
-      if (out_.size() > kMostExpandedBytes)
+      if (out_.size() > kMostExpandedBytes) {
         return Error("exceeds the limit of ", kMostExpandedBytes, " bytes, with entities written out");
+      }
     }
     return absl::OkStatus();
   }
 
-  // Returns the length of what begins the text: a comment, CDATA, the name of an entity with its &, or one character.
-  static size_t EndOfMark(absl::string_view text) {
-    for (const auto& [begin, end] : {std::pair("<!--", "-->"), std::pair("<![CDATA[", "]]>")}) {
+  // Quotes of an entity within a value in quotes do not end it. Lines of errors are those of the document, so an entity
+  // has no end of a line.
+  void AppendCharacter(char c, bool is_markup, int depth) {
+    if (c == '\n' && depth > 0) c = ' ';
+    if (is_markup && quote_ != '\0' && depth > depth_of_value_) {
+      absl::StrAppend(&out_, c == '"' ? "&quot;" : c == '\'' ? "&apos;" : c == '<' ? "&lt;" : std::string(1, c));
+      return;
+    }
+    out_ += c;
+    if (!is_markup) return;
+    if (quote_ != '\0') {
+      if (c == quote_) quote_ = '\0';
+    } else if (c == '<' || c == '>') {
+      is_in_tag_ = c == '<';
+    } else if (is_in_tag_ && (c == '"' || c == '\'')) {
+      quote_ = c;
+      depth_of_value_ = depth;
+    }
+  }
+
+  // Returns what begins with & or % and may be a name, as far as it is one.
+  static absl::string_view NameAt(absl::string_view text) {
+    return text.substr(0, std::min({text.find_first_of(";&<>%\"' \t\r\n", 1), text.size(), kLongestName}));
+  }
+
+  Texts::const_iterator FindEntity(absl::string_view text) const {
+    if (!absl::StartsWith(text, "&")) return texts_.end();
+    const absl::string_view name = NameAt(text);
+    return text.substr(name.size(), 1) == ";" ? texts_.find(name.substr(1)) : texts_.end();
+  }
+
+  // Returns the length of the comment, the CDATA or the instruction that begins the text; otherwise 1.
+  static size_t LengthOfNote(absl::string_view text) {
+    for (const auto& [begin, end] : {std::pair("<!--", "-->"), std::pair("<![CDATA[", "]]>"), std::pair("<?", "?>")}) {
       if (!absl::StartsWith(text, begin)) continue;
       const size_t at = text.find(end);
-      return at == absl::string_view::npos ? text.size() : at;
+      return at == absl::string_view::npos ? text.size() : at + absl::string_view(end).size();
     }
-    if (!absl::StartsWith(text, "&")) return std::min<size_t>(text.size(), 1);
-    const size_t end = text.find_first_of(";& <\"'\n", 1);
-    return end == absl::string_view::npos || text[end] != ';' ? 1 : end;
+    return 1;
   }
 
   const absl::string_view xml_;
   absl::string_view rest_;
-  absl::flat_hash_map<absl::string_view, std::optional<absl::string_view>> texts_;  // nullopt: in another file
+  Texts texts_;
   std::string out_;
   size_t uses_ = 0;
+  bool is_in_tag_ = false;
+  char quote_ = '\0';       // around the value where out_ ends; \0: it ends outside of values
+  int depth_of_value_ = 0;  // of that quote
 };
 
 }  // namespace

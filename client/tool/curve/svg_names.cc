@@ -40,6 +40,8 @@ class NameWalker : public pugi::xml_tree_walker {
     return true;
   }
 
+  ForeignElements TakeForeign() { return std::move(foreign_); }
+
  private:
   struct Declared {
     int depth;
@@ -57,13 +59,14 @@ class NameWalker : public pugi::xml_tree_walker {
     return found == spaces_.end() || found->second.empty() ? absl::string_view() : found->second.back();
   }
 
-  void Resolve(pugi::xml_node& node) const {
+  void Resolve(pugi::xml_node& node) {
     const std::string name = node.name();
     const auto [prefix, local] = Split(name);
     const absl::string_view space = SpaceOf(prefix);
     const bool is_svg = space.empty() ? prefix.empty() || prefix == "svg" : space == kSvgNamespace;
+    if (!is_svg) foreign_.insert(node.internal_object());
+    // A shorter name stays in its place, which tells the line of the element.
     if (is_svg && !prefix.empty()) node.set_name(std::string(local).c_str());
-    if (!is_svg && prefix.empty()) node.set_name(absl::StrCat(":", local).c_str());
     for (pugi::xml_attribute attribute : node.attributes()) {
       const std::string full = attribute.name();
       const auto [of, what] = Split(full);
@@ -72,15 +75,17 @@ class NameWalker : public pugi::xml_tree_walker {
     }
   }
 
+  ForeignElements foreign_;
   std::vector<Declared> declared_;                                     // by the node and those around it
   absl::flat_hash_map<std::string, std::vector<std::string>> spaces_;  // prefix -> what it stands for, the last counts
 };
 
 }  // namespace
 
-void ResolveNames(pugi::xml_document& document) {
+ForeignElements ResolveNames(pugi::xml_document& document) {
   NameWalker walker;
   document.traverse(walker);
+  return walker.TakeForeign();
 }
 
 }  // namespace latvox::client

@@ -37,8 +37,14 @@ TEST(SvgNames, ElementsOfOtherNamespacesDrawNothing) {
                    "<metadata><line x2='3' xmlns='other'/></metadata><line xmlns='' x2='4'/></svg>"),
             "1 4 ");
   EXPECT_EQ(EndsOf("<svg><line x2='1'/></svg>"), "1 ") << "without a namespace, all elements are SVG's";
-  EXPECT_EQ(EndsOf("<svg xmlns='http://www.w3.org/2000/svg/'><line x2='1'/></svg>"),
-            "line 1: <:svg> is not svg, the root of a drawing, in the namespace http://www.w3.org/2000/svg or in none");
+  EXPECT_EQ(EndsOf("<!-- a -->\n\n<svg xmlns='http://www.w3.org/2000/svg/'><line x2='1'/></svg>"),
+            "line 3: <svg> is not svg, the root of a drawing, in the namespace http://www.w3.org/2000/svg or in none");
+}
+
+TEST(SvgNames, ErrorsHaveTheLinesOfTheFile) {
+  EXPECT_EQ(EndsOf("<svg>\n<rect xmlns='other' style='d:'/></svg>").substr(0, 16), "line 2: <rect> p");
+  EXPECT_EQ(EndsOf("<s:svg xmlns:s='http://www.w3.org/2000/svg'>\n<s:circel/></s:svg>").substr(0, 17),
+            "line 2: <circel> ");
 }
 
 std::string WithEntities(absl::string_view declarations, absl::string_view elements) {
@@ -58,11 +64,31 @@ TEST(SvgEntities, AreWrittenOut) {
             "42 34 ");
 }
 
+TEST(SvgEntities, AreTextsWithinValues) {
+  EXPECT_EQ(EndsOf(WithEntities("<!ENTITY font 'font-family:\"A<>&#34;'><!ENTITY both \"&font;;x:'\">",
+                                "<svg><line x2='1' style='&font;'/><line x2='2' style=\"&both;\"/></svg>")),
+            "1 2 ");
+}
+
+TEST(SvgEntities, HaveTheirNumbersOfCharactersReplacedOnce) {
+  EXPECT_EQ(EndsOf(WithEntities("<!ENTITY amp '&#38;#38;'><!ENTITY r \"&#60;line x2='&#x31;'/>\">",
+                                "<svg>&r;<line id='a&amp;b' x2='2'/><use href='#a&#38;b'/></svg>")),
+            "1 2 2 ");
+}
+
+TEST(SvgEntities, LeaveTheLinesOfTheFile) {
+  EXPECT_EQ(EndsOf(WithEntities("<!ENTITY lines '\n<line/>\n\n'>\n",
+                                "<svg>&lines;&lines;\n<rect width='z' height='1'/></svg>"))
+                .substr(0, 24),
+            "line 9: <rect> width \"z\"");
+}
+
 TEST(SvgEntities, LeaveEverythingElse) {
   for (const std::string& text :
        {std::string("<svg>&lt;&b;&</svg>"), std::string("<!DOCTYPE svg><svg>&a;</svg>"), std::string("<!DOCTYPE svg ["),
         std::string("<!DOCTYPE svg [<!ENTITY a 'b'"), std::string("<!DOCTYPE svg [<!ENTITY"), std::string(),
-        WithEntities("<!ENTITY a 'b'>", "<svg>&lt;&b; &#97; &a &a</svg>&"), WithEntities("<!ENTITY a", "")}) {
+        WithEntities("<!ENTITY a 'b'>", "<svg>&lt;&b; &#97; &a &a<?a &a; ?><![CDATA[\"&a;]]></svg>&"),
+        WithEntities("<!ENTITY a", "")}) {
     const auto expanded = ExpandEntities(text);
     ASSERT_TRUE(expanded.ok()) << expanded.status();
     EXPECT_EQ(*expanded, text);
@@ -77,6 +103,7 @@ TEST(SvgEntities, RefusalsNameLineAndEntity) {
             "line 6: the text of \"&a;\" is in another file, which is not read");
   EXPECT_EQ(error("<!ENTITY a SYSTEM 'a.svg'>", "<svg><line x2='1'/></svg>"), "1 ");
   EXPECT_EQ(error("<!ENTITY % p 'b'>\n%p;", "<svg/>"), "line 5: a parameter entity, \"%p;\", is not read");
+  EXPECT_EQ(EndsOf("<!DOCTYPE svg [ % ]><svg/>"), "line 1: a parameter entity, \"%;\", is not read");
   EXPECT_EQ(error("<!ENTITY a '&a;'>", "<svg>&a;</svg>"),
             "line 5: entities are nested 17 levels deep; the limit is 16");
 }
