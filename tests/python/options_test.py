@@ -349,8 +349,9 @@ def test_wrong_names_and_types_are_type_errors(options, text, server):
 
 
 def test_the_number_of_threads_is_a_number():
-    with pytest.raises(TypeError, match=r"threads: \[2\] is not a whole number"):
-        latvox.voxelize(BUNNY, threads=[2])
+    for threads in ([2], ([2],)):
+        with pytest.raises(TypeError, match=r"threads: .* is not a whole number"):
+            latvox.voxelize(BUNNY, threads=threads)
 
 
 def test_numbers_of_any_type(server):

@@ -113,7 +113,8 @@ def test_plain_http_to_other_machines_needs_an_argument(store, server, tmp_path)
         with pytest.raises(latvox.InvalidArgument, match="allow_http") as caught:
             call()
         error = caught.value
-        assert (error.field, error.limit) == (field, "https:") and error.reason and error.value.startswith("http://[")
+        assert (error.reason, error.field, error.limit) == ("BAD_SPEC", field, "https:")
+        assert error.value.startswith("http://[")
         # The signature is about another host, so the store refuses: it was asked.
         with pytest.raises(latvox.Error, match="HTTP 403"):
             call(allow_http=True)

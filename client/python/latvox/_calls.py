@@ -16,7 +16,6 @@ from typing import (
     Any,
     Callable,
     Dict,
-    Hashable,
     Iterable,
     Iterator,
     List,
@@ -65,6 +64,7 @@ def _server() -> bytes:
 def _begin(client: Client, mesh: Any, options: Mapping[str, Any], streams: bool = False) -> _latvox.Call:
     _refuse_unknown(options, "request", "call")
     fields = options.get("fields")
+    fields = fields.tolist() if hasattr(fields, "tolist") else fields
     names = fields.split(",") if isinstance(fields, str) else list(fields) if isinstance(fields, Iterable) else []
     source = source_of(mesh, with_colors="color" in names)
     return _latvox.Call(client._connection, source, {**client._options, **options}, streams)
@@ -254,8 +254,10 @@ def _choose(options: Mapping[str, Any]) -> tuple[Client, Dict[str, Any]]:
     if chosen.keys() - {"threads"}:
         return Client(chosen.pop("server", None), **chosen), others
     threads = chosen.get("threads")
-    if not isinstance(threads, Hashable):
-        raise TypeError(f"threads: {threads!r} is not a whole number")
+    try:
+        hash(threads)
+    except TypeError:
+        raise TypeError(f"threads: {threads!r} is not a whole number") from None
     with _lock:
         if threads not in _private:
             _private[threads] = Client(threads=threads)

@@ -119,7 +119,7 @@ def checked_path(name: str, path: Any) -> bytes:
         encoded = os.fsencode(text)
     except UnicodeEncodeError as error:
         limit = f"characters of {error.encoding}"
-        raise bad(f"has others than {limit}", limit) from None
+        raise bad(f"has characters that are not of {error.encoding}", limit) from None
     if b"\0" in encoded:
         raise bad("has a NUL character; a name has no NUL", "no NUL")
     return encoded

@@ -240,7 +240,7 @@ class Grid(Bricks):
             limit = "coordinates, dense"
             text = f'npy: "{npy}" is not one of {limit}'
             raise InvalidArgument(text, reason="BAD_SPEC", field="npy", value=str(npy), limit=limit)
-        if not isinstance(allow_http, bool):
+        if not isinstance(allow_http, (bool, np.bool_)):
             raise TypeError(f"allow_http: {allow_http!r} is not True or False")
         fields = ""
         if array is not None:

@@ -135,7 +135,7 @@ void BatchRun::DoWithCopies(const Job& job, const CallOptions& call, RemoteFiles
   if (!digest.ok()) return;
   result.job_digest = *std::move(digest);
   auto voxels = FindDone(job, result.job_digest, files);
-  result.error = voxels.status();
+  result.error = files.Named(voxels.status());
   if (!voxels.ok()) return;
   if (*voxels) {
     result.outcome = JobResult::Outcome::kSkipped;

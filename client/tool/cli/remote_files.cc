@@ -38,9 +38,12 @@ absl::StatusOr<std::unique_ptr<RemoteFiles>> RemoteFiles::Fetch(const VoxelizeOp
 
 absl::Status RemoteFiles::CheckAccess() const {
   for (const auto& [name, object] : options_.remote.objects) {
-    if (auto status = client::CheckAccess(object, transfer_); !status.ok()) {
-      return WithFile(status, FieldOf(name), name, absl::IsInvalidArgument(status) && !object.is_s3() ? "https:" : "");
+    auto status = client::CheckAccess(object, transfer_);
+    if (status.ok()) continue;
+    if (absl::IsInvalidArgument(status)) {  // nothing has been read, so the request is wrong, and not the mesh
+      SetErrorDetails({"BAD_SPEC", FieldOf(name), name, object.is_s3() ? "" : "https:", std::nullopt}, status);
     }
+    return WithFile(status, FieldOf(name), name);
   }
   return absl::OkStatus();
 }
