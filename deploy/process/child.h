@@ -25,8 +25,8 @@ class ChildSetting {
   posix_spawn_file_actions_t files;
 };
 
-// Sets this process's limit, and another one at which the system acts at last; or keeps a lower one, which only a
-// privileged process may raise. Returns false if that fails; errno has the reason.
+// Sets this process's limit, and another one at which the system acts at last. A lower limit stays, because only a
+// privileged process may raise it. Returns false if that fails; errno has the reason.
 bool SetLimit(__rlimit_resource resource, rlim_t limit, rlim_t last);
 inline bool SetLimit(__rlimit_resource resource, rlim_t limit) { return SetLimit(resource, limit, limit); }
 
