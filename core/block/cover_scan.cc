@@ -113,7 +113,7 @@ void CoverScan::AddBoxes(const TileContext& context, std::span<const uint32_t> t
     candidates.ForEach(context, where, [&](const Candidates& some) {
       voxels.Add(some.nearer.view());
       voxels.bits().Find(some.rim.view(), false, memory.positions);
-      FindPairs(some, some.rim, memory.positions, &Candidates::Run::rim_end, memory.pairs);
+      FindPairs(some, some.rim, memory.positions, &Candidates::Run::rim_end, context.stop, memory.pairs);
       AddMeeting(context, memory.pairs, keep_of_rim, voxels);
     });
   }
@@ -129,7 +129,7 @@ void CoverScan::AddNearCells(const TileContext& context, std::span<const uint32_
   const auto keep = [&](std::vector<VoxelTriangle>& pairs) { cells.KeepMeeting(context.mesh, where.layout, pairs); };
   const auto add = [&](const NumberList& list, uint32_t Candidates::Run::*end) {
     voxels.bits().Find(list.view(), false, memory.positions);
-    FindPairs(lines_, list, memory.positions, end, memory.pairs);
+    FindPairs(lines_, list, memory.positions, end, context.stop, memory.pairs);
     AddMeeting(context, memory.pairs, keep, voxels);
   };
   const SearchLimits limits{where.box, where.layout, context.stop, kEnough};

@@ -4,12 +4,14 @@
 
 #include <hwy/base.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 #include "core/base/bytes_of.h"
+#include "core/base/stop_signal.h"
 #include "core/block/tile_context.h"
 #include "core/scan/candidates.h"
 #include "core/scan/stars.h"
@@ -26,17 +28,32 @@ struct PairMemory {
   size_t Bytes() const { return positions.Bytes() + BytesOf(pairs); }
 };
 
+// Calls f(numbers) for pieces of a list, which may have millions of numbers, until it is stopped.
+template <class F>
+void ForEachPiece(const NumberList& list, StopSignal stop, F&& f) {
+  constexpr size_t kPiece = size_t{1} << 14;  // numbers between two looks at the stop signal
+  const std::span<const uint32_t> numbers = list.view();
+  for (size_t first = 0; first < numbers.size() && !stop.Stopped(); first += kPiece) {
+    f(numbers.subspan(first, std::min(kPiece, numbers.size() - first)));
+  }
+}
+
 // Replaces `pairs` by the voxels at `positions` of one of the candidates' lists, each with the triangle that put it
 // there.
 //   end   the member of Candidates::Run for that list
+//   stop  once stopped, some pairs are missing
 inline void FindPairs(const Candidates& candidates, const NumberList& voxels, const NumberList& positions,
-                      uint32_t Candidates::Run::*end, std::vector<VoxelTriangle>& pairs) {
+                      uint32_t Candidates::Run::*end, StopSignal stop, std::vector<VoxelTriangle>& pairs) {
   pairs.clear();
-  auto run = candidates.runs.begin();
-  for (const uint32_t n : positions.view()) {
-    while ((*run).*end <= n) ++run;
-    pairs.push_back({voxels[n] & kNumberMask, candidates.TriangleAt(*run, voxels[n] >> kNumberBits)});
-  }
+  auto next = candidates.runs.begin();
+  ForEachPiece(positions, stop, [&](std::span<const uint32_t> piece) {
+    auto run = next;  // a copy, which stays in a register
+    for (const uint32_t n : piece) {
+      while ((*run).*end <= n) ++run;
+      pairs.push_back({voxels[n] & kNumberMask, candidates.TriangleAt(*run, voxels[n] >> kNumberBits)});
+    }
+    next = run;
+  });
 }
 
 // Calls f(voxel, star) for all pairs with wanted(voxel) when the pair's turn comes. It is inlined: as

@@ -39,7 +39,7 @@ void SurfaceScan::AddRim(const TileContext& context, const Candidates& candidate
   if (context.stop.Stopped()) return;
   TileBits& surface = voxels_.bits();
   surface.Find(candidates.rim.view(), false, memory_.positions);
-  FindPairs(candidates, candidates.rim, memory_.positions, &Candidates::Run::rim_end, memory_.pairs);
+  FindPairs(candidates, candidates.rim, memory_.positions, &Candidates::Run::rim_end, context.stop, memory_.pairs);
   added_.clear();
   const auto is_new = [&](uint32_t voxel) { return !surface.Test(voxel); };
   ForEachStar(context, voxels_.where().layout, memory_.pairs, is_new, [&](uint32_t voxel, const StarLinks& star) {

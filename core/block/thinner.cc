@@ -168,13 +168,18 @@ void Thinner::Ask(const TileContext& context, const ScannedSurface& scanned) {
 void Thinner::AskCandidates(const TileContext& context, BlockVoxels& voxels, const Candidates& candidates) {
   if (FindPairsByBoxes(voxels.where(), candidates)) return AskInTime(context, voxels);
   FindInUndecided(candidates.nearer);
-  for (const uint32_t n : memory_.positions.view()) {
-    if (IsOutside(voxels, candidates.farther[n] & kNumberMask)) undecided_.Clear(candidates.nearer[n] & kNumberMask);
-  }
-  FindPairs(candidates, candidates.nearer, memory_.positions, &Candidates::Run::crossed_end, memory_.pairs);
+  ForEachPiece(memory_.positions, context.stop, [&](std::span<const uint32_t> piece) {
+    for (const uint32_t n : piece) {
+      if (IsOutside(voxels, candidates.farther[n] & kNumberMask)) undecided_.Clear(candidates.nearer[n] & kNumberMask);
+    }
+  });
+  if (context.stop.Stopped()) return;
+  FindPairs(candidates, candidates.nearer, memory_.positions, &Candidates::Run::crossed_end, context.stop,
+            memory_.pairs);
   AskInTime(context, voxels);
+  if (context.stop.Stopped()) return;
   FindInUndecided(candidates.rim);
-  FindPairs(candidates, candidates.rim, memory_.positions, &Candidates::Run::rim_end, memory_.pairs);
+  FindPairs(candidates, candidates.rim, memory_.positions, &Candidates::Run::rim_end, context.stop, memory_.pairs);
   AskInTime(context, voxels);
 }
 
