@@ -18,8 +18,8 @@ namespace {
 
 constexpr int kDeepestEntity = 16;  // of entities in entities
 constexpr size_t kLongestName = 256;
-constexpr size_t kMostUses = 1'000'000;                   // also those in entities
-constexpr size_t kMostExpandedBytes = size_t{256} << 20;  // of the document, with its entities written out
+constexpr size_t kMostUses = 1'000'000;                  // also those in entities
+constexpr size_t kMostExpandedBytes = size_t{64} << 20;  // of the document, with its entities written out
 
 class Expander {
  public:
@@ -142,7 +142,7 @@ class Expander {
       return Error("entities are nested ", depth, " levels deep; the limit is ", kDeepestEntity);
     }
     while (!text.empty()) {
-      const size_t plain = std::min(text.find_first_of("&<>\"'\n"), text.size());
+      const size_t plain = static_cast<size_t>(std::find_if(text.begin(), text.end(), IsMark) - text.begin());
       absl::StrAppend(&out_, text.substr(0, plain));
       text.remove_prefix(plain);
       if (depth == 0) rest_ = text;  // for errors
@@ -183,9 +183,17 @@ class Expander {
     }
   }
 
+  // The characters that change what follows. (string_view::find_first_of makes a table for each call.)
+  static bool IsMark(char c) { return c == '&' || c == '<' || c == '>' || c == '"' || c == '\'' || c == '\n'; }
+
   // Returns what begins with & or % and may be a name, as far as it is one.
   static absl::string_view NameAt(absl::string_view text) {
-    return text.substr(0, std::min({text.find_first_of(";&<>%\"' \t\r\n", 1), text.size(), kLongestName}));
+    const auto ends = [](char c) {
+      return c == ';' || c == '%' || IsMark(c) || absl::ascii_isspace(static_cast<unsigned char>(c));
+    };
+    text = text.substr(0, kLongestName);
+    if (text.empty()) return text;
+    return text.substr(0, static_cast<size_t>(std::find_if(text.begin() + 1, text.end(), ends) - text.begin()));
   }
 
   Texts::const_iterator FindEntity(absl::string_view text) const {

@@ -120,7 +120,7 @@ TEST(SvgEntities, HaveALimitOfUsesAndOfBytes) {
     return EndsOf(WithEntities(declarations, "<svg>&e14;</svg>"));
   };
   EXPECT_EQ(error(0), "line 5: exceeds the limit of 1000000 uses of entities");
-  EXPECT_EQ(error(size_t{4} << 20), "line 5: exceeds the limit of 268435456 bytes, with entities written out");
+  EXPECT_EQ(error(size_t{1} << 20), "line 5: exceeds the limit of 67108864 bytes, with entities written out");
 }
 
 }  // namespace
