@@ -240,6 +240,18 @@ class Release(unittest.TestCase):
             subprocess.run(["git", "clone", "--quiet", words, f"file://{whole}", self.repository], check=True)
             self.refused(why, "0.1.0")
 
+    def test_a_last_release_on_another_branch_is_refused(self):
+        self.prepare("0.0.9")
+        self.git("tag", "v0.0.9")
+        self.git("checkout", "--quiet", "-b", "side")
+        self.prepare("0.0.10")
+        self.git("tag", "v0.0.10")
+        self.git("checkout", "--quiet", "-")
+        self.prepare("0.1.0")
+        (self.repository / "deploy/CHANGELOG.md").write_text("## 0.1.0, 2030-01-31\n\n## 0.0.10, 2029-01-31\n")
+        self.git("commit", "--quiet", "--all", "--message", "log")
+        self.refused("deploy/CHANGELOG.md has the release 0.0.10, which is no ancestor of this commit; merge v0.0.10", "0.1.0")
+
     def test_a_protocol_that_was_not_copied_is_refused(self):
         self.replace(PROTOCOL, "  bool verify = 8;", "  bool verify = 8;\n\n  // For this test.\n  bool another = 99;")
         self.prepare("0.1.0")
