@@ -11,8 +11,8 @@
 
 namespace latvox {
 
-// As TBB's functions with these arguments. The body must not wait for other parallel work: a thread that waits may
-// begin work of another job, which would count for both.
+// As TBB's functions with these arguments. The body must not wait for other parallel work, except in isolation: a
+// thread that waits may begin work of another job, which would count for both.
 template <class Range, class Body>
 void MeteredFor(const Range& range, const Body& body) {
   oneapi::tbb::parallel_for(range, [&body, meter = CpuMeter::OfThread()](const Range& part) {

@@ -30,7 +30,7 @@ class ExactJob final : public VoxelizeJob {
  public:
   explicit ExactJob(std::unique_ptr<ExactPlan> plan)
       : plan_(std::move(plan)),
-        units_(*plan_, std::exchange(plan_->kept, std::nullopt), stop_.Signal(), cpu_),
+        units_(*plan_, std::exchange(plan_->kept, std::nullopt), stop_.Signal()),
         scan_(*plan_, units_, scan_stop_.Signal()) {}
   ~ExactJob() override { scan_.LeaveMemory(); }
   ExactJob(const ExactJob&) = delete;
@@ -177,6 +177,7 @@ absl::StatusOr<bool> ExactJob::Advance(const Sink& sink) {
   std::vector<TileNode> returned;
   oneapi::tbb::parallel_pipeline(
       UnitsInFlight(), make_filter<void, TileNode>(filter_mode::serial_in_order, [&](flow_control& flow) {
+                         const CpuMeter::Scope scope(cpu_);  // Next is isolated, so no unit is finished within
                          auto unit = paused || scan_stop_.Stopped() ? std::nullopt : units_.Next();
                          if (unit) return *std::move(unit);
                          flow.stop();

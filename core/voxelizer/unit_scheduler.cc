@@ -1,13 +1,13 @@
 #include "core/voxelizer/unit_scheduler.h"
 
 #include <oneapi/tbb/blocked_range.h>
-#include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
 #include <iterator>
 #include <utility>
 
+#include "core/base/metered.h"
 #include "core/brick/tile_order.h"
 
 namespace latvox {
@@ -38,11 +38,9 @@ bool IsSmall(const TileNode& node) {
 
 }  // namespace
 
-UnitScheduler::UnitScheduler(const ExactPlan& plan, std::optional<std::vector<uint32_t>> kept, StopSignal job,
-                             CpuMeter& cpu)
+UnitScheduler::UnitScheduler(const ExactPlan& plan, std::optional<std::vector<uint32_t>> kept, StopSignal job)
     : plan_(plan),
       job_(job),
-      cpu_(cpu),
       tile_base_(Shifted(plan.input.mesh.base_ijk, kTileBits)),
       tree_(plan.input.mesh, 0, plan.near_margin, plan.far_margin, plan.input.region, job),
       kept_(std::move(kept)) {
@@ -84,7 +82,6 @@ bool UnitScheduler::IsLeftOut(const TileNode& node) const {
 
 // The pipeline waits for this function. So many threads split large nodes, and many nodes at a time.
 std::optional<TileNode> UnitScheduler::Next() {
-  const CpuMeter::Scope scope(cpu_);
   if (!std::exchange(started_, true)) {
     // A tile of a band has megabytes, and so has one of a filled set with fields.
     const bool has_full_tiles = plan_.input.band || ((plan_.solid || plan_.input.walk) && plan_.input.fields);
@@ -118,8 +115,7 @@ void UnitScheduler::SplitNext() {
   const size_t kept = todo_.size() - count;
   std::vector<std::vector<TileNode>> parts(count);
   oneapi::tbb::this_task_arena::isolate([&] {  // as in Next
-    oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<size_t>(0, count), [&](const auto& numbers) {
-      const CpuMeter::Scope scope(cpu_);
+    MeteredFor(oneapi::tbb::blocked_range<size_t>(0, count), [&](const auto& numbers) {
       for (size_t n = numbers.begin(); n < numbers.end(); ++n) {
         TileNode& node = todo_[kept + n];
         if (IsLeftOut(node)) continue;

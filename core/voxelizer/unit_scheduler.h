@@ -6,7 +6,6 @@
 #include <optional>
 #include <vector>
 
-#include "core/base/cpu_meter.h"
 #include "core/base/stop_signal.h"
 #include "core/brick/brick.h"
 #include "core/brick/filled_tiles.h"
@@ -25,8 +24,7 @@ class UnitScheduler {
   //   plan   must outlive it
   //   kept   moved from the plan, so that its memory is free once the tree's top is known
   //   job    once stopped, there are no further units
-  //   cpu    counts the time of all threads that Next divides nodes on; must outlive it
-  UnitScheduler(const ExactPlan& plan, std::optional<std::vector<uint32_t>> kept, StopSignal job, CpuMeter& cpu);
+  UnitScheduler(const ExactPlan& plan, std::optional<std::vector<uint32_t>> kept, StopSignal job);
 
   // Also visits tiles without triangles nearby, from now on, if they may hold points of the set. Call it before Next.
   // `filled` must outlive this object.
@@ -58,7 +56,6 @@ class UnitScheduler {
 
   const ExactPlan& plan_;
   const StopSignal job_;
-  CpuMeter& cpu_;
   const Vec3i tile_base_;
   TileTree tree_;
   std::optional<std::vector<uint32_t>> kept_;
