@@ -98,7 +98,7 @@ bool IsSequence(py::handle value) { return py::isinstance<py::list>(value) || py
 std::string BytesOf(const Keyword& keyword, py::handle text) {
   PyObject* const bytes = keyword.is_path() ? PyUnicode_EncodeFSDefault(text.ptr())
                                             : PyUnicode_AsEncodedString(text.ptr(), "utf-8", "surrogateescape");
-  if (bytes == nullptr) RefuseText(keyword, "the text has half a character", "characters of Unicode");
+  if (bytes == nullptr) RefuseText(keyword, "the text has a lone surrogate", "characters of Unicode");
   return py::reinterpret_steal<py::bytes>(bytes);
 }
 

@@ -25,7 +25,7 @@ class Latvox < Formula
   depends_on "libzip"
   depends_on :linux
   depends_on "meshoptimizer"
-  # This version and this zlib are those that grpc and libzip link, and two of one library in a program clash.
+  # grpc and libzip link this OpenSSL and this zlib. Two versions of one library in a program clash.
   depends_on "openssl@4"
   depends_on "openvdb"
   depends_on "prometheus-cpp"
