@@ -15,17 +15,17 @@ namespace {
 constexpr char kDate[] = "2026-11-20";  // of the pages' own text
 
 // Escapes the characters that troff would interpret.
-std::string Plain(absl::string_view text) {
+std::string Escaped(absl::string_view text) {
   std::string plain = absl::StrReplaceAll(text, {{"\\", "\\e"}, {"-", "\\-"}, {"'", "\\(aq"}, {"`", "\\(ga"}});
   // A leading dot would be a request.
   return absl::StartsWith(plain, ".") ? absl::StrCat("\\&", plain) : plain;
 }
 
-std::string Bold(absl::string_view text) { return absl::StrCat("\\fB", Plain(text), "\\fR"); }
-std::string Italic(absl::string_view text) { return absl::StrCat("\\fI", Plain(text), "\\fR"); }
+std::string Bold(absl::string_view text) { return absl::StrCat("\\fB", Escaped(text), "\\fR"); }
+std::string Italic(absl::string_view text) { return absl::StrCat("\\fI", Escaped(text), "\\fR"); }
 
 // Formats paragraphs. Lines that begin with two spaces are examples.
-std::string Body(absl::string_view text) {
+std::string TroffBody(absl::string_view text) {
   std::string body;
   bool example = false;
   while (absl::ConsumePrefix(&text, "\n")) {  // spaces must stay: they mark an example
@@ -37,7 +37,7 @@ std::string Body(absl::string_view text) {
     if (line.empty()) {
       body += ".PP\n";
     } else {
-      absl::StrAppend(&body, Plain(line), "\n");
+      absl::StrAppend(&body, Escaped(line), "\n");
     }
   }
   if (example) body += ".EE\n";
@@ -62,7 +62,7 @@ std::string Related(absl::string_view relation, const std::vector<std::string>& 
 std::string OptionEntry(const OptionFacts& option) {
   std::vector<std::string> names;
   for (const std::string& name : option.names) names.push_back(Bold(name));
-  std::string text = Plain(DescriptionOf(option));
+  std::string text = Escaped(DescriptionOf(option));
   if (!absl::EndsWith(text, ".")) text += ".";
   absl::StrAppend(&text, Related("Not with", option.excludes), Related("Requires", option.needs));
   if (!option.environment.empty()) absl::StrAppend(&text, "\nEnvironment: ", Bold(option.environment), ".");
@@ -73,7 +73,7 @@ std::string OptionEntry(const OptionFacts& option) {
 std::string Synopsis(absl::string_view path, const CommandFacts& command) {
   std::vector<std::string> words = UsageOf(path, command);
   words.front() = Bold(path);
-  for (size_t n = 1; n < words.size(); ++n) words[n] = Plain(words[n]);
+  for (size_t n = 1; n < words.size(); ++n) words[n] = Escaped(words[n]);
   return absl::StrJoin(words, " ") + "\n";
 }
 
@@ -90,8 +90,9 @@ std::string Entries(const CommandFacts& command) {
 
 std::string Command(absl::string_view program, const CommandFacts& command) {
   const std::string name = absl::StrCat(program, " ", command.name);
-  return absl::StrCat(".SS ", Plain(name), "\n", Synopsis(name, command), ".PP\n", Plain(Capital(command.description)),
-                      ".\n", Entries(command), command.footer.empty() ? "" : ".PP\n" + Body(command.footer));
+  return absl::StrCat(".SS ", Escaped(name), "\n", Synopsis(name, command), ".PP\n",
+                      Escaped(Capital(command.description)), ".\n", Entries(command),
+                      command.footer.empty() ? "" : ".PP\n" + TroffBody(command.footer));
 }
 
 }  // namespace
@@ -100,22 +101,22 @@ std::string ToMan(const CommandFacts& program, const ManPage& page) {
   const std::string& name = program.name;
   std::string text =
       absl::StrCat(".TH ", absl::AsciiStrToUpper(name), " ", page.section, " ", kDate, " \"", name, " ", page.version,
-                   "\"\n.SH NAME\n", Plain(name), " \\- ", Plain(program.description), "\n.SH SYNOPSIS\n");
+                   "\"\n.SH NAME\n", Escaped(name), " \\- ", Escaped(program.description), "\n.SH SYNOPSIS\n");
   std::vector<std::string> lines;
   if (program.commands.empty()) lines.push_back(Synopsis(name, program));
   for (const CommandFacts& command : program.commands) {
     lines.push_back(Synopsis(absl::StrCat(name, " ", command.name), command));
   }
   text += absl::StrJoin(lines, ".br\n");
-  for (const ManSection& section : page.before) text += Section(section.title, Body(section.text));
+  for (const ManSection& section : page.before) text += Section(section.title, TroffBody(section.text));
   text += Section("OPTIONS", Entries(program));
   if (!program.commands.empty()) text += ".SH COMMANDS\n";
   for (const CommandFacts& command : program.commands) text += Command(name, command);
-  for (const ManSection& section : page.after) text += Section(section.title, Body(section.text));
+  for (const ManSection& section : page.after) text += Section(section.title, TroffBody(section.text));
   std::vector<std::string> others;
   for (const std::string& other : page.see_also) {
     const size_t bracket = other.find('(');
-    others.push_back(absl::StrCat("\\fB", Plain(other.substr(0, bracket)), "\\fR", other.substr(bracket)));
+    others.push_back(absl::StrCat("\\fB", Escaped(other.substr(0, bracket)), "\\fR", other.substr(bracket)));
   }
   if (!others.empty()) absl::StrAppend(&text, ".SH SEE ALSO\n", absl::StrJoin(others, ",\n"), "\n");
   return text;

@@ -14,12 +14,12 @@
 namespace latvox {
 namespace {
 
-constexpr size_t kWidth = 120;
+constexpr size_t kPageWidth = 120;
 
 std::string Code(absl::string_view text) { return absl::StrCat("`", text, "`"); }
 
 // Returns the text with options, variables and files as code, so that Markdown does not change their characters.
-std::string Plain(absl::string_view text) {
+std::string Marked(absl::string_view text) {
   std::vector<std::string> words;
   for (absl::string_view word : absl::StrSplit(text, ' ')) {
     const absl::string_view whole = word;
@@ -40,15 +40,15 @@ std::string Plain(absl::string_view text) {
 // Returns the text in lines. All but the first begin with `indent`.
 std::string Filled(absl::string_view text, absl::string_view indent) {
   const std::vector<std::string> words = absl::StrSplit(text, ' ', absl::SkipEmpty());
-  return absl::StrCat(absl::StrJoin(Wrap(words, kWidth - indent.size()), absl::StrCat("\n", indent)), "\n");
+  return absl::StrCat(absl::StrJoin(Wrap(words, kPageWidth - indent.size()), absl::StrCat("\n", indent)), "\n");
 }
 
 // Paragraphs filled; lines that begin with two spaces as blocks of code.
-std::string Body(absl::string_view text) {
+std::string Paragraphs(absl::string_view text) {
   std::string body, paragraph;
   bool code = false;
   const auto end_paragraph = [&] {
-    if (!paragraph.empty()) absl::StrAppend(&body, Filled(Plain(paragraph), ""), "\n");
+    if (!paragraph.empty()) absl::StrAppend(&body, Filled(Marked(paragraph), ""), "\n");
     paragraph.clear();
   };
   for (absl::string_view line : absl::StrSplit(absl::StripTrailingAsciiWhitespace(text), '\n')) {
@@ -82,10 +82,10 @@ std::string Item(const OptionFacts& option) {
   if (option.names.empty() && option.several) head += "...";
   // The head stays in one line: a line break within code would be a space.
   std::vector<std::string> words{absl::StrCat("- ", Code(head), ":")};
-  const std::string text = absl::StrCat(Plain(DescriptionOf(option)), ".", Named("Not with", option.excludes),
+  const std::string text = absl::StrCat(Marked(DescriptionOf(option)), ".", Named("Not with", option.excludes),
                                         Named("Requires", option.needs));
   for (const absl::string_view word : absl::StrSplit(text, ' ')) words.emplace_back(word);
-  return absl::StrCat(absl::StrJoin(Wrap(words, kWidth - 2), "\n  "), "\n");
+  return absl::StrCat(absl::StrJoin(Wrap(words, kPageWidth - 2), "\n  "), "\n");
 }
 
 std::string Items(const std::vector<OptionFacts>& options) {
@@ -96,14 +96,14 @@ std::string Items(const std::vector<OptionFacts>& options) {
 
 std::string Section(absl::string_view path, const CommandFacts& command) {
   std::string text =
-      absl::StrCat("## ", path, "\n\n", Filled(absl::StrCat(Plain(Capital(command.description)), "."), ""), "\n```sh\n",
-                   absl::StrJoin(Wrap(UsageOf(path, command), kWidth), "\n    "), "\n```\n\n");
+      absl::StrCat("## ", path, "\n\n", Filled(absl::StrCat(Marked(Capital(command.description)), "."), ""),
+                   "\n```sh\n", absl::StrJoin(Wrap(UsageOf(path, command), kPageWidth), "\n    "), "\n```\n\n");
   if (!command.positionals.empty()) absl::StrAppend(&text, "Arguments:\n\n", Items(command.positionals), "\n");
   for (auto [group, options] : GroupsOf(command)) {
     std::erase_if(options, [](const OptionFacts& option) { return option.names.back() == "--help"; });
     if (!options.empty()) absl::StrAppend(&text, group, ":\n\n", Items(options), "\n");
   }
-  return text + Body(command.footer);
+  return text + Paragraphs(command.footer);
 }
 
 }  // namespace
@@ -116,7 +116,7 @@ std::string ToMarkdown(const CommandFacts& program, const ManPage& page) {
     text += Section(absl::StrCat(program.name, " ", command.name), command);
   }
   for (const ManSection& section : page.after) {
-    absl::StrAppend(&text, "## ", Capital(absl::AsciiStrToLower(section.title)), "\n\n", Body(section.text));
+    absl::StrAppend(&text, "## ", Capital(absl::AsciiStrToLower(section.title)), "\n\n", Paragraphs(section.text));
   }
   return absl::StrCat(absl::StripTrailingAsciiWhitespace(text), "\n");
 }
