@@ -123,13 +123,14 @@ class Names(Case):
         mesh = harness.write_obj(self.dir / "octahedron.obj", harness.octahedron())
         out = self.dir / "out"
         out.mkdir()
-        for extension in EXTENSIONS:
-            for length in (240, 255):
-                path = out / ("n" * (length - len(extension) - 1) + "." + extension)
-                for _ in range(2):  # the second one replaces the first
-                    done = latvox("voxelize", mesh, "--lattice", "cartesian", "--resolution", "9", "-o", path)
-                    self.assertEqual(done.returncode, 0, done.stderr)
-                self.assertEqual(os.listdir(out), [path.name])
+        for length in (240, 255):
+            paths = [out / ("n" * (length - len(extension) - 1) + "." + extension) for extension in EXTENSIONS]
+            outputs = [word for path in paths for word in ("-o", path)]
+            for _ in range(2):  # the second one replaces the first
+                done = latvox("voxelize", mesh, "--lattice", "cartesian", "--resolution", "9", *outputs)
+                self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertEqual({*os.listdir(out)}, {path.name for path in paths})
+            for path in paths:
                 path.unlink()
 
     def test_a_longer_name_is_refused_before_the_work(self):

@@ -62,7 +62,7 @@ class Union(MergeCase):
         "one part": [[]],
         "one shard": shards(1),
         "shards": shards(7),
-        "shards, some of them empty": shards(64),
+        "shards, half of them empty": shards(16),
     }
 
     def check(self, cuts, *options):
@@ -136,8 +136,8 @@ class Union(MergeCase):
         self.voxelize(BUNNY, *options, out="whole.csv")
         for source in "whole.vdb", "part1.nvdb":
             self.assertEqual(latvox("convert", self.dir / source, "-o", self.dir / "again.csv").returncode, OK)
-            same = rows(self.dir / "again.csv") == rows(self.dir / "whole.csv")
-            self.assertEqual(same, source == "whole.vdb")
+            again, whole = ({*(self.dir / name).read_bytes().splitlines()} for name in ("again.csv", "whole.csv"))
+            self.assertEqual(again == whole, source == "whole.vdb")
         for words in ["compare", self.dir / "whole.vdb", self.merged], ["info", self.merged]:
             self.assertEqual(latvox(*words).returncode, OK, words)
         done = latvox("slice", self.dir / "whole.vdb", "-o", self.dir / "slice.png")
