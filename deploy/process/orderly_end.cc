@@ -76,7 +76,7 @@ alignas(16) char g_signal_stack[size_t{64} << 10];
 
 // The first part runs before the initializers of the libraries, which may need memory or start threads, and end the
 // process if they cannot.
-void HandleFromTheStart(int, char**, char**) {
+[[maybe_unused]] void HandleFromTheStart(int, char**, char**) {
   std::set_terminate(OnTerminate);
   stack_t stack{};
   stack.ss_sp = g_signal_stack;

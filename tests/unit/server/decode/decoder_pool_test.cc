@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <chrono>
 #include <csignal>
+#include <cstdint>
 #include <fstream>
 #include <iterator>
 #include <mutex>
@@ -114,7 +115,7 @@ TEST_F(DecoderPoolTest, ClientsHaveTurns) {
 
 TEST_F(DecoderPoolTest, ACancelledDecodeEndsAtOnceAndItsProcessIsReplaced) {
   StartStopped();
-  int cancels = 0;
+  uint64_t cancels = 0;
   absl::Duration least = absl::InfiniteDuration();
   while (least >= kAtOnce && cancels < 5) {  // on a busy machine, this process waits for its own turn
     if (cancels > 0) kill(Running().at(0), SIGSTOP);
