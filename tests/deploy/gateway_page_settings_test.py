@@ -94,7 +94,10 @@ class PageSettings(PageCase):
                 tab = self.tab(f"#lattice=fcc&resolution=20&{words}")
                 self.drop(tab, "a.obj", obj.read_bytes())
                 self.assertEqual(self.shown(tab)["digest"], direct["digest"])
-                self.assertEqual(self.shown(self.repeated(tab))["digest"], direct["digest"])
+                again = self.repeated(tab)
+                tab.close()
+                self.assertEqual(self.shown(again)["digest"], direct["digest"])
+                again.close()
 
     def test_every_field_is_in_the_files_as_the_tool_has_it(self):
         data = self.bodies()

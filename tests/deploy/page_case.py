@@ -79,6 +79,7 @@ class PageCase(Case):
 
     def tab(self, place="", width=1280, height=800, **device):
         tab = Tab(self.browser, width, height, **device)
+        self.addCleanup(tab.close)  # pages that nobody looks at slow down the others
         tab.open(f"{self.gateway.url}/{place}")
         return tab
 

@@ -71,8 +71,8 @@ class Tab:
 
     def __init__(self, browser, width, height, scale=1, phone=False, dark=False):
         self.browser = browser
-        target = browser.call("Target.createTarget", url="about:blank")["targetId"]
-        self.session = browser.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
+        self.target = browser.call("Target.createTarget", url="about:blank")["targetId"]
+        self.session = browser.call("Target.attachToTarget", targetId=self.target, flatten=True)["sessionId"]
         for domain in ("Page", "Runtime", "Log"):
             self.call(f"{domain}.enable")
         if dark:
@@ -80,6 +80,11 @@ class Tab:
         if phone:
             self.call("Emulation.setTouchEmulationEnabled", enabled=True, maxTouchPoints=5)
         self.resize(width, height, scale, phone)
+
+    def close(self):
+        if self.target:
+            self.browser.call("Target.closeTarget", targetId=self.target)
+        self.target = None
 
     def call(self, method, **parameters):
         return self.browser.call(method, self.session, **parameters)
